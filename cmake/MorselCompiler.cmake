@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+# Compiler settings shared by every Morsel target; use morsel_target(NAME) on each.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+endif()
+
+add_library(morsel_options INTERFACE)
+# No contraction: the rounding analysis of the local models counts one rounding an operation.
+target_compile_options(morsel_options INTERFACE
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic -ffp-contract=off -fno-math-errno
+  $<$<BOOL:${MORSEL_WARNINGS_AS_ERRORS}>:-Werror>)
+if(MORSEL_SANITIZE)
+  target_compile_options(morsel_options INTERFACE -fsanitize=${MORSEL_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(morsel_options INTERFACE -fsanitize=${MORSEL_SANITIZE})
+endif()
+
+function(morsel_target name)
+  target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:morsel_options>)
+  get_target_property(kind ${name} TYPE)
+  if(NOT kind STREQUAL "EXECUTABLE")
+    target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  endif()
+endfunction()

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Parameters are declared once: name, type, unit, default, range and help. Validation of scene files, the
+// JSON schema and the reference documentation all come from the declaration.
+namespace morsel::params {
+
+enum class Type { kBoolean, kInteger, kNumber, kString, kChoice, kVector2, kVector3, kColor, kObject, kArray };
+
+struct Parameter {
+  std::string name;
+  Type type = Type::kNumber;
+  nlohmann::json default_value;  // null: required unless `optional`
+  std::string help;
+  std::string unit;  // "length", "degrees", "1/length", "" ...
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool exclusive_min = false;        // value > min rather than >=
+  bool optional = false;             // may be absent without a default
+  std::vector<std::string> choices;  // kChoice
+};
+
+struct Declaration {
+  std::string name;
+  std::string help;
+  std::vector<Parameter> parameters;
+};
+
+// The name in `known` nearest to `name` by edit distance; empty when none is near.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
+
+// "a, b, c"
+std::string join(const std::vector<std::string>& names);
+
+// JSON Schema (draft 7) of one declared object.
+nlohmann::json schema_of(const Declaration& declaration);
+
+}  // namespace morsel::params

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include <memory>
+
+#include "topology/box.h"
+#include "topology/local_model.h"
+
+namespace morsel::topology {
+
+// F, its gradient and its Hessian at one point.
+struct Jet {
+  double value = 0.0;
+  Imath::V3d gradient{0.0};
+  // Symmetric second derivatives: xx, yy, zz, xy, xz, yz.
+  double hessian[6] = {};
+};
+
+// A scalar field F: R^3 -> R, twice continuously differentiable. Its surface is F = 0 and its
+// solid is S = {F >= 0}. This is all that topology knows of a field. Fields are immutable; every
+// method may be called from several threads at once.
+class ScalarField {
+ public:
+  virtual ~ScalarField() = default;
+
+  // F at `x`, to within rounding (about 1e-14 of the field's own size).
+  virtual double value(const Imath::V3d& x) const = 0;
+
+  // F with first and second derivatives at `x`, to within rounding.
+  virtual Jet jet(const Imath::V3d& x) const = 0;
+
+  // A cubic polynomial about the box's centre with bounds on its distance from F that hold
+  // everywhere on the closed box, rounding included. A box without extent along an axis is allowed.
+  virtual LocalModel model(const Box& box) const = 0;
+
+  // A field that equals F on `box` (and nowhere else need it be defined), cheaper to evaluate there.
+  // Calls on boxes within `box` may be chained.
+  virtual std::unique_ptr<ScalarField> restricted_to(const Box& box) const = 0;
+};
+
+}  // namespace morsel::topology
