@@ -33,10 +33,10 @@ struct Place {
 nlohmann::json parse_file(const std::filesystem::path& file);
 nlohmann::json parse_text(const std::string& text, const std::string& name);
 
-// One JSON object read by its declaration. The constructor checks everything: that it is an object, unknown
-// keys (naming the nearest known one), missing required keys, types, ranges, choices, finite numbers.
-// Getters return the value or the default; asking for an undeclared name or of another type is a
-// programming error (std::logic_error).
+// One JSON object read by its declaration. The constructor checks everything: that it is an object,
+// unknown keys (naming the nearest known one), missing required keys, types, ranges, choices,
+// finite numbers. Getters return the value or the default; asking for an undeclared name or of
+// another type is a programming error (std::logic_error).
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& object, const Declaration& declaration, Place place);
@@ -47,7 +47,7 @@ class JsonReader {
   double number(std::string_view name) const;
   std::string string(std::string_view name) const;  // kString and kChoice
   Imath::V2d vector2(std::string_view name) const;
-  Imath::V3d vector3(std::string_view name) const;  // kVector3 and kColor
+  Imath::V3d vector3(std::string_view name) const;            // kVector3 and kColor
   const nlohmann::json& object(std::string_view name) const;  // kObject and kArray
   Place place(std::string_view name) const { return place_ / name; }
   const Place& place() const { return place_; }
@@ -61,7 +61,7 @@ class JsonReader {
 };
 
 // The choice named by object["type"]; fails at `place` when it is missing or not among `known`.
-std::string type_of(const nlohmann::json& object, const std::vector<std::string>& known, const Place& place,
-                    const std::string& default_type = "");
+std::string type_of(const nlohmann::json& object, const std::vector<std::string>& known,
+                    const Place& place, const std::string& default_type = "");
 
 }  // namespace morsel::params

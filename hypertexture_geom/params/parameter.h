@@ -9,11 +9,22 @@
 #include <string_view>
 #include <vector>
 
-// Parameters are declared once: name, type, unit, default, range and help. Validation of scene files, the
-// JSON schema and the reference documentation all come from the declaration.
+// Parameters are declared once: name, type, unit, default, range and help. Validation of scene
+// files, the JSON schema and the reference documentation all come from the declaration.
 namespace morsel::params {
 
-enum class Type { kBoolean, kInteger, kNumber, kString, kChoice, kVector2, kVector3, kColor, kObject, kArray };
+enum class Type {
+  kBoolean,
+  kInteger,
+  kNumber,
+  kString,
+  kChoice,
+  kVector2,
+  kVector3,
+  kColor,
+  kObject,
+  kArray
+};
 
 struct Parameter {
   std::string name;
