@@ -70,6 +70,8 @@ const char* type_name(Type type) {
       return "an array of 2 numbers";
     case Type::kVector3:
       return "an array of 3 numbers";
+    case Type::kNumberOrVector3:
+      return "a number or an array of 3 numbers";
     case Type::kColor:
       return "a colour: an array of 3 numbers";
     case Type::kObject:
@@ -105,6 +107,8 @@ bool has_type(const json& value, Type type) {
     case Type::kVector3:
     case Type::kColor:
       return is_vector(value, 3);
+    case Type::kNumberOrVector3:
+      return value.is_number() || is_vector(value, 3);
     case Type::kObject:
       return value.is_object();
     case Type::kArray:
@@ -139,6 +143,11 @@ void check_value(const Parameter& p, const json& value, const Place& place) {
     case Type::kVector2:
     case Type::kVector3:
     case Type::kColor:
+    case Type::kNumberOrVector3:
+      if (value.is_number()) {
+        check_number(p, value.get<double>(), place);
+        break;
+      }
       for (std::size_t i = 0; i < value.size(); ++i)
         check_number(p, value[i].get<double>(), place / i);
       break;
@@ -279,7 +288,8 @@ Imath::V2d JsonReader::vector2(std::string_view name) const {
 }
 
 Imath::V3d JsonReader::vector3(std::string_view name) const {
-  const json& v = value(name, {Type::kVector3, Type::kColor});
+  const json& v = value(name, {Type::kVector3, Type::kColor, Type::kNumberOrVector3});
+  if (v.is_number()) return Imath::V3d(v.get<double>());
   return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
 }
 

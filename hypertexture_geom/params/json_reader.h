@@ -47,7 +47,7 @@ class JsonReader {
   double number(std::string_view name) const;
   std::string string(std::string_view name) const;  // kString and kChoice
   Imath::V2d vector2(std::string_view name) const;
-  Imath::V3d vector3(std::string_view name) const;            // kVector3 and kColor
+  Imath::V3d vector3(std::string_view name) const;  // kVector3, kColor and kNumberOrVector3
   const nlohmann::json& object(std::string_view name) const;  // kObject and kArray
   Place place(std::string_view name) const { return place_ / name; }
   const Place& place() const { return place_; }

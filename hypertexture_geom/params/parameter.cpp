@@ -45,6 +45,11 @@ nlohmann::json type_schema(const Parameter& p) {
     case Type::kVector3:
     case Type::kColor:
       return vector_schema(3);
+    case Type::kNumberOrVector3: {
+      nlohmann::json schema = vector_schema(3);
+      schema["type"] = {"number", "array"};
+      return schema;
+    }
     case Type::kObject:
       return {{"type", "object"}};
     case Type::kArray:
@@ -84,9 +89,12 @@ nlohmann::json schema_of(const Declaration& declaration) {
     nlohmann::json property = type_schema(p);
     property["description"] = p.unit.empty() ? p.help : p.help + " [" + p.unit + "]";
     if (!p.default_value.is_null()) property["default"] = p.default_value;
-    nlohmann::json& bounded = property.contains("items") ? property["items"] : property;
-    if (std::isfinite(p.min)) bounded[p.exclusive_min ? "exclusiveMinimum" : "minimum"] = p.min;
-    if (std::isfinite(p.max)) bounded["maximum"] = p.max;
+    const auto add_range = [&](nlohmann::json& bounded) {
+      if (std::isfinite(p.min)) bounded[p.exclusive_min ? "exclusiveMinimum" : "minimum"] = p.min;
+      if (std::isfinite(p.max)) bounded["maximum"] = p.max;
+    };
+    if (property["type"] != "array") add_range(property);
+    if (property.contains("items")) add_range(property["items"]);
     schema["properties"][p.name] = property;
     if (p.default_value.is_null() && !p.optional) required.push_back(p.name);
   }

@@ -21,6 +21,7 @@ enum class Type {
   kChoice,
   kVector2,
   kVector3,
+  kNumberOrVector3,  // one number stands for three equal ones
   kColor,
   kObject,
   kArray
@@ -29,19 +30,19 @@ enum class Type {
 struct Parameter {
   std::string name;
   Type type = Type::kNumber;
-  nlohmann::json default_value;  // null: required unless `optional`
-  std::string help;
-  std::string unit;  // "length", "degrees", "1/length", "" ...
+  nlohmann::json default_value = nullptr;  // null: required unless `optional`
+  std::string help = {};
+  std::string unit = {};  // "length", "degrees", "1/length", "" ...
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool exclusive_min = false;        // value > min rather than >=
-  bool optional = false;             // may be absent without a default
-  std::vector<std::string> choices;  // kChoice
+  bool exclusive_min = false;             // value > min rather than >=
+  bool optional = false;                  // may be absent without a default
+  std::vector<std::string> choices = {};  // kChoice
 };
 
 struct Declaration {
   std::string name;
-  std::string help;
+  std::string help = {};
   std::vector<Parameter> parameters;
 };
 
