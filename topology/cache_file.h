@@ -21,16 +21,17 @@ struct CacheError : std::runtime_error {
 // A topology cache: a labelled octree with its component table, and what it was built from.
 struct TopologyCache {
   Topology topology;
-  std::string field_hash;      // fingerprint of the field's canonical JSON and of the build options
-  nlohmann::json field;        // that canonical JSON
-  double seconds = 0.0;        // wall-clock time of the build
-  std::uint64_t bytes = 0;     // size of the file it was read from or written to
+  std::string field_hash;   // fingerprint of the field's canonical JSON and of the build options
+  nlohmann::json field;     // that canonical JSON
+  double seconds = 0.0;     // wall-clock time of the build
+  std::uint64_t bytes = 0;  // size of the file it was read from or written to
 };
 
 // Writes to a temporary file beside `path`, then renames it. Sets cache.bytes. Throws CacheError.
 void write_cache(TopologyCache& cache, const std::filesystem::path& path);
 
-// Reads and validates everything: magic, version, sizes, checksum, node indices and counts. Throws CacheError.
+// Reads and validates everything: magic, version, sizes, checksum, node indices and counts. Throws
+// CacheError.
 TopologyCache read_cache(const std::filesystem::path& path);
 
 // As above, and throws CacheError naming both fingerprints when the cache is of another field.

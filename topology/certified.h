@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,17 @@ namespace morsel::topology {
 
 // What to compute.
 struct CertifyOptions {
-  Box box;             // contains the surface, or cuts it (then `touches_box` says so)
-  int min_depth = 3;   // cells that hold surface are subdivided at least this often
-  int max_depth = 20;  // cells at this depth are not subdivided; what is undecided there is reported
+  Box box;            // contains the surface, or cuts it (then `touches_box` says so)
+  int min_depth = 3;  // cells that hold surface are subdivided at least this often
+  int max_depth =
+      20;  // cells at this depth are not subdivided; what is undecided there is reported
 };
 
 // How: threads come from the caller's TBB arena.
 struct Execution {
-  const std::atomic<bool>* cancel = nullptr;               // set to stop; then Cancelled is thrown
-  std::function<void(double fraction, const char* phase)> progress;  // called from any thread, not concurrently
+  const std::atomic<bool>* cancel = nullptr;  // set to stop; then Cancelled is thrown
+  std::function<void(double fraction, const char* phase)>
+      progress;  // called from any thread, not concurrently
 };
 
 struct Cancelled : std::runtime_error {
@@ -45,13 +48,14 @@ struct Topology {
   std::vector<Component> components;
   bool certified = false;  // nothing is unresolved
   std::uint64_t components_lo = 0;
-  std::optional<std::uint64_t> components_hi;  // empty: not bounded (an unresolved cell may hide any number)
+  std::optional<std::uint64_t>
+      components_hi;  // empty: not bounded (an unresolved cell may hide any number)
   std::uint64_t unresolved_cells = 0;
   std::uint64_t unresolved_faces = 0;
-  std::vector<Unresolved> unresolved;  // the first 1000 of them
+  std::vector<Unresolved> unresolved;     // the first 1000 of them
   std::optional<Imath::V3d> touches_box;  // a place where S may reach the box's boundary
   std::uint64_t leaves = 0;
-  int depth = 0;  // of the deepest leaf
+  int depth = 0;             // of the deepest leaf
   std::uint64_t models = 0;  // local models evaluated
   std::string engine = "certified";
 
@@ -59,12 +63,21 @@ struct Topology {
 };
 
 // Labels the components of {F >= 0} within the box by the monotone retraction cascade: see
-// topology/README.md for the method and its proof. The result does not depend on the number of threads.
-// Throws Cancelled.
-Topology certify(const ScalarField& field, const CertifyOptions& options, const Execution& execution = {});
+// topology/README.md for the method and its proof. The result does not depend on the number of
+// threads. Throws Cancelled.
+Topology certify(const ScalarField& field, const CertifyOptions& options,
+                 const Execution& execution = {});
 
-// The smallest axis-aligned box found, by proof, to contain all of {F >= 0} within `outer`: cells are
-// discarded where F < 0 is certain, down to 1/2^depth of `outer`. Empty when no cell is left.
+// Deepest level that an octree may have: its planes are then exact in double (see dyadic_box).
+inline constexpr int kMaxDepth = 24;
+
+// The smallest box around `box` whose planes, and those of every octree cell in it down to
+// kMaxDepth, are exact in double precision. Throws std::invalid_argument unless `box` is finite and
+// has extent.
+Box dyadic_box(const Box& box);
+
+// The smallest axis-aligned box found, by proof, to contain all of {F >= 0} within `outer`: cells
+// are discarded where F < 0 is certain, down to 1/2^depth of `outer`. Empty when no cell is left.
 Box bound_solid(const ScalarField& field, const Box& outer, int depth = 7);
 
 }  // namespace morsel::topology

@@ -18,18 +18,19 @@ struct Component {
   double volume_hi = 0.0;    // certified: full and surface cells
   std::uint64_t cells = 0;   // leaves that hold it
   std::uint64_t maxima = 0;  // 0 when the Morse engine did not run
-  // A point in S of this component's most inward known cell (its centre, for a full cell).
+  // Centre of its largest full cell (then in S), or of a surface cell when it has no full one.
   Imath::V3d seed{0.0};
+  double seed_volume = 0.0;  // of that full cell; 0: none
 };
 
 // Which components are rendered and meshed (DESIGN: keep rules).
 struct KeepRule {
   enum class Kind { kMain, kLargest, kVolume, kTouching, kAll, kDetached, kIds };
   Kind kind = Kind::kMain;
-  std::uint64_t count = 1;          // kLargest
-  double volume = 0.0;              // kVolume: keep volume_hi >= this
-  Imath::V3d point{0.0};            // kTouching
-  std::vector<std::uint32_t> ids;   // kIds
+  std::uint64_t count = 1;         // kLargest
+  double volume = 0.0;             // kVolume: keep volume_hi >= this
+  Imath::V3d point{0.0};           // kTouching
+  std::vector<std::uint32_t> ids;  // kIds
 
   // Parses "main", "largest:K", "volume:V", "touching:X,Y,Z", "all", "detached", "ids:I,J,...".
   // Throws std::invalid_argument that names the text and the choices.
@@ -38,7 +39,8 @@ struct KeepRule {
 };
 
 struct OctreeView;
-// The component that is "main": most maxima if any are known, else largest volume. 0 of an empty table.
+// The component that is "main": most maxima if any are known, else largest volume. 0 of an empty
+// table.
 std::uint32_t main_component(const std::vector<Component>& components);
 // keep[id] for each component. `touching` needs the octree to find the point's component.
 std::vector<bool> kept_components(const KeepRule& rule, const std::vector<Component>& components,

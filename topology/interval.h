@@ -42,13 +42,15 @@ inline Interval operator-(Interval a, Interval b) { return outward(a.lo - b.hi, 
 inline Interval operator*(Interval a, Interval b) {
   const double p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
   if (std::isnan(p) || std::isnan(q) || std::isnan(r) || std::isnan(s)) return Interval::whole();
-  return outward(std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s)));
+  return outward(std::min(std::min(p, q), std::min(r, s)),
+                 std::max(std::max(p, q), std::max(r, s)));
 }
 inline Interval operator/(Interval a, Interval b) {
   if (b.contains(0.0)) return Interval::whole();
   const double p = a.lo / b.lo, q = a.lo / b.hi, r = a.hi / b.lo, s = a.hi / b.hi;
   if (std::isnan(p) || std::isnan(q) || std::isnan(r) || std::isnan(s)) return Interval::whole();
-  return outward(std::min(std::min(p, q), std::min(r, s)), std::max(std::max(p, q), std::max(r, s)));
+  return outward(std::min(std::min(p, q), std::min(r, s)),
+                 std::max(std::max(p, q), std::max(r, s)));
 }
 
 // x * x, never negative.

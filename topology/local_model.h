@@ -13,7 +13,28 @@ namespace morsel::topology {
 // Positions of the monomials of a cubic polynomial in u = x - centre, in the order
 // 1, x, y, z, xx, yy, zz, xy, xz, yz, xxx, yyy, zzz, xxy, xxz, xyy, yyz, xzz, yzz, xyz.
 namespace monomial {
-enum : int { k1, kX, kY, kZ, kXX, kYY, kZZ, kXY, kXZ, kYZ, kXXX, kYYY, kZZZ, kXXY, kXXZ, kXYY, kYYZ, kXZZ, kYZZ, kXYZ };
+enum : int {
+  k1,
+  kX,
+  kY,
+  kZ,
+  kXX,
+  kYY,
+  kZZ,
+  kXY,
+  kXZ,
+  kYZ,
+  kXXX,
+  kYYY,
+  kZZZ,
+  kXXY,
+  kXXZ,
+  kXYY,
+  kYYZ,
+  kXZZ,
+  kYZZ,
+  kXYZ
+};
 inline constexpr int kCount = 20;
 }  // namespace monomial
 
@@ -31,6 +52,11 @@ struct LocalModel {
   Imath::V3d gradient_error{0.0};
   double hessian_error = 0.0;
 
+  // To be called once by whoever filled in the coefficients and their errors: adds what the
+  // rounding of this class's own arithmetic (ranges, faces) can amount to, so that it needn't be
+  // tracked again.
+  void add_rounding();
+
   // P and grad P at `u` = x - centre (plain floating point, no enclosure).
   double value_at(const Imath::V3d& u) const;
   Imath::V3d gradient_at(const Imath::V3d& u) const;
@@ -40,8 +66,8 @@ struct LocalModel {
   Interval gradient_range(int axis) const;
   Interval hessian_range(int i, int j) const;
 
-  // The same F on the face at centre_axis + side * half_axis (side is -1 or +1): the centre moves to
-  // the face and the face has no extent along the axis.
+  // The same F on the face at centre_axis + side * half_axis (side is -1 or +1): the centre moves
+  // to the face and the face has no extent along the axis.
   LocalModel on_face(int axis, int side) const;
 };
 

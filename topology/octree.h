@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kNoComponent = 0xffffffffu;
 struct OctreeNode {
   std::uint32_t first_child = 0;  // 0: a leaf. Otherwise the index of the first of 8 children.
   std::uint32_t component = kNoComponent;
-  std::uint16_t faces = 0;  // two bits of Content a face; see face_content
+  std::uint16_t faces = 0;   // two bits of Content a face; see face_content
   std::uint8_t content = 0;  // Content of the leaf
   std::uint8_t reserved = 0;
 
@@ -66,7 +66,11 @@ struct OctreeView {
   // Calls visit(Leaf) for every leaf, in depth-first order of the children.
   template <class Visit>
   void for_each_leaf(Visit&& visit) const {
-    struct Entry { std::uint32_t node; int depth; Box box; };
+    struct Entry {
+      std::uint32_t node;
+      int depth;
+      Box box;
+    };
     std::vector<Entry> stack{{0, 0, box}};
     while (!stack.empty()) {
       const Entry e = stack.back();
@@ -77,7 +81,8 @@ struct OctreeView {
         continue;
       }
       for (int i = 7; i >= 0; --i)
-        stack.push_back({n.first_child + static_cast<std::uint32_t>(i), e.depth + 1, child_box(e.box, i)});
+        stack.push_back(
+            {n.first_child + static_cast<std::uint32_t>(i), e.depth + 1, child_box(e.box, i)});
     }
   }
 };

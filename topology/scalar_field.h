@@ -35,8 +35,8 @@ class ScalarField {
   // everywhere on the closed box, rounding included. A box without extent along an axis is allowed.
   virtual LocalModel model(const Box& box) const = 0;
 
-  // A field that equals F on `box` (and nowhere else need it be defined), cheaper to evaluate there.
-  // Calls on boxes within `box` may be chained.
+  // A field that equals F on `box` (and nowhere else need it be defined), cheaper to evaluate
+  // there. Calls on boxes within `box` may be chained.
   virtual std::unique_ptr<ScalarField> restricted_to(const Box& box) const = 0;
 };
 
