@@ -15,51 +15,76 @@ namespace morsel::geom {
 
 struct GeometryOptions {
   topology::KeepRule keep;
+  // How far from the object ray origins may lie, in its diameters, for the surface to stay
+  // watertight: Embree culls boxes in single precision, so bricks are padded in proportion.
+  double far_distance = 20.0;
 };
 
 // What a renderer needs to know of a hit, in object space.
 struct ShadingPoint {
-  Imath::V3f normal;        // unit, outward (-grad F), from the exact gradient
-  Imath::V3f spawn_front;   // origins for rays that leave to the outside (F < 0 there, by evaluation) ...
-  Imath::V3f spawn_behind;  // ... and to the inside (F > 0 there, by evaluation)
+  Imath::V3f normal;  // unit, outward (-grad F), from the exact gradient
+  // Origins for rays that leave to the outside (F < 0 there, by evaluation) and to the inside (F >
+  // 0 there, by evaluation). Where a sheet is too thin for that, the best point tried: check the
+  // flag.
+  Imath::V3f spawn_front;
+  Imath::V3f spawn_behind;
+  bool spawn_verified = false;  // both signs are as said
   std::uint32_t component = topology::kNoComponent;
 };
 
 struct GeometryStatistics {
   std::uint64_t bricks = 0;
-  std::uint64_t bytes = 0;
+  std::uint64_t blocks = 0;  // restricted fields that the bricks share
+  std::uint64_t bytes = 0;   // of the bricks; the fields' own memory is not included
+  // Ray tests that ended at the evaluation limit, so that a hit may be missing or not the first.
+  std::uint64_t limits = 0;
 };
 
-// Hypertexture surface as Embree user geometry: one primitive a brick, a brick being a leaf of the labelled
-// octree that holds surface of a kept component. Immutable after construction and shared by all instances.
+// What create() does on request.
+struct CreateOptions {
+  // Occlusion queries normally stop at the first sign of a hit, without its place, and run no
+  // filter. Set this for geometry that gets an occlusion filter function.
+  bool occlusion_filter = false;
+};
+
+// Hypertexture surface as Embree user geometry: one primitive a brick, a brick being a leaf of the
+// labelled octree that holds surface of a kept component. Immutable after construction and shared
+// by all instances.
 class HypertextureGeometry {
  public:
-  HypertextureGeometry(std::shared_ptr<const Field> field, std::shared_ptr<const topology::TopologyCache> cache,
+  HypertextureGeometry(std::shared_ptr<const Field> field,
+                       std::shared_ptr<const topology::TopologyCache> cache,
                        const GeometryOptions& options);
   ~HypertextureGeometry();
   HypertextureGeometry(const HypertextureGeometry&) = delete;
   HypertextureGeometry& operator=(const HypertextureGeometry&) = delete;
 
-  // A new user geometry on `device`, committed, with one reference that the caller releases. This object
-  // must outlive it. A hit has primID = brick, u = v = 0, Ng = -grad F (outward), as Embree wants unnormalised.
-  RTCGeometry create(RTCDevice device) const;
+  // A new user geometry on `device`, committed, with one reference that the caller releases. This
+  // object must outlive it. A hit has primID = brick, u = v = 0, Ng = -grad F (outward), as Embree
+  // wants unnormalised. Filters are run for every root, in order, until one is accepted. A root on
+  // a face that bricks share may be reported by each of them (by filters, that is: twice).
+  RTCGeometry create(RTCDevice device, const CreateOptions& options = {}) const;
 
-  // First hit of the ray with the kept surface inside one brick, t in (tnear, tfar); pure, no Embree.
+  // First hit of the ray with the kept surface inside one brick, t in (tnear, tfar); pure, no
+  // Embree. A root at tnear itself (F = 0 there) is not a hit: spawn points avoid the question.
   struct Hit {
     double t;
     Imath::V3d gradient;  // of F at the hit
     int evaluations;
   };
-  std::optional<Hit> intersect_brick(std::uint32_t brick, const Imath::V3d& origin, const Imath::V3d& direction,
-                                     double tnear, double tfar) const;
+  std::optional<Hit> intersect_brick(std::uint32_t brick, const Imath::V3d& origin,
+                                     const Imath::V3d& direction, double tnear, double tfar) const;
 
-  // `point` is origin + t * direction of a hit on `brick`; `extra_error` is an absolute bound on the distance
-  // of `point` from the true hit beyond its own rounding (e.g. from an instance's transform).
+  // `point` is origin + t * direction of a hit on `brick`; `extra_error` is an absolute bound on
+  // the distance of `point` from the true hit beyond its own rounding (e.g. from an instance's
+  // transform).
   ShadingPoint shade(std::uint32_t brick, const Imath::V3f& point, float extra_error = 0.0f) const;
 
   std::uint32_t component(std::uint32_t brick) const;
   std::uint32_t main_component() const;
-  topology::Box bounds() const;  // of the bricks
+  topology::Box bounds() const;                           // of the bricks; empty if there are none
+  topology::Box brick_bounds(std::uint32_t brick) const;  // the octree's cell
+  double bounds_padding() const;  // what Embree's bounds add to that, see far_distance
   GeometryStatistics statistics() const;
   const Field& field() const;
   const topology::TopologyCache& cache() const;
