@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Imath/ImathVec.h>
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+namespace morsel::render {
+
+// What is wrong with a glTF file's data, without the file's name.
+struct GltfError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Element-wise copies of accessors of the given kind. Every index, offset and count of the file is
+// checked against the buffer that it leads into. Throw GltfError, also for what is valid glTF but
+// not supported (sparse accessors).
+std::vector<Imath::V3f> read_vectors3(const tinygltf::Model& model, int accessor);  // float
+// Texture coordinates: float, or normalised 8 or 16 bit.
+std::vector<Imath::V2f> read_vectors2(const tinygltf::Model& model, int accessor);
+// 8, 16 or 32 bit, unsigned.
+std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int accessor);
+
+}  // namespace morsel::render

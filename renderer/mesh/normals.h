@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "renderer/scene/scene.h"
+
+namespace morsel::render {
+
+// Unit vertex normals: the mean of the adjacent triangles' normals, each weighted by the angle that
+// the triangle has at the vertex (Thuermer and Wuethrich, "Computing vertex normals from polygonal
+// facets", 1998), so that the result does not depend on how a polygon was cut into triangles.
+// Vertices at the same position share one normal: seams of texture coordinates stay invisible.
+// Where the mean vanishes, the normal of one adjacent triangle stands in. `mesh` must be valid.
+std::vector<Imath::V3f> smooth_normals(const TriangleMesh& mesh);
+
+// Makes the mesh's normals, if it has any, unit length; zero ones, as real files have them, become
+// smooth normals. `mesh` must be valid.
+void normalise_normals(TriangleMesh& mesh);
+
+}  // namespace morsel::render

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/scene/cache_store.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace morsel::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kHashDigitsInName = 16;
+
+// Names of geometries are free text; names of files should not be.
+std::string file_name_part(const std::string& name) {
+  std::string part;
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '_' || c == '-';
+    part += plain ? c : '_';
+  }
+  return part;
+}
+
+// Throws topology::CacheError when no file can be made beside `file`, so that this is known before
+// minutes of work and not after.
+void prepare_folder(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error && ::access(folder.c_str(), W_OK | X_OK) != 0)
+    error = std::error_code(errno, std::generic_category());
+  if (!error && fs::is_directory(file)) error = std::make_error_code(std::errc::is_a_directory);
+  if (error)
+    throw topology::CacheError(fmt::format("{}: cannot write: {}", file.string(), error.message()));
+}
+
+}  // namespace
+
+fs::path cache_file_of(const SceneDocument& document, const geom::Hypertexture& hypertexture) {
+  if (!hypertexture.cache.empty()) return hypertexture.cache;
+  const fs::path& scene = document.file();
+  return scene.parent_path() / (scene.stem().string() + ".cache") /
+         fmt::format("{}-{}.topo", file_name_part(hypertexture.name),
+                     hypertexture.hash.substr(0, kHashDigitsInName));
+}
+
+CacheInspection inspect_cache(const fs::path& file, const std::string& field_hash) {
+  CacheInspection found;
+  std::error_code error;
+  if (fs::status(file, error).type() == fs::file_type::not_found) return found;
+  try {
+    topology::TopologyCache cache = topology::read_cache(file);
+    if (cache.field_hash == field_hash) {
+      found.state = CacheState::kCurrent;
+      found.cache = std::make_shared<const topology::TopologyCache>(std::move(cache));
+    } else {
+      found.state = CacheState::kStale;
+      found.problem =
+          fmt::format("{}: cache of another field: its fingerprint is {}, the scene's {}",
+                      file.string(), cache.field_hash, field_hash);
+    }
+  } catch (const topology::CacheError& e) {
+    found.state = CacheState::kDamaged;
+    found.problem = e.what();
+  }
+  return found;
+}
+
+StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
+                            const topology::Execution& execution, const Warn& warn) {
+  const auto known = by_hash_.find(hypertexture.hash);
+  if (known != by_hash_.end()) return known->second;
+
+  StoredCache stored;
+  stored.file = cache_file_of(document_, hypertexture);
+  const CacheInspection found = inspect_cache(stored.file, hypertexture.hash);
+  switch (found.state) {
+    case CacheState::kCurrent:
+      stored.cache = found.cache;
+      break;
+    case CacheState::kStale:
+    case CacheState::kDamaged:
+      throw topology::CacheError(
+          fmt::format("{} (geometry \"{}\" of {}; `morsel cache build` replaces it)", found.problem,
+                      hypertexture.name, document_.file().string()));
+    case CacheState::kMissing: {
+      stored.built = true;
+      topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
+      try {
+        prepare_folder(stored.file);
+        topology::write_cache(cache, stored.file);
+      } catch (const topology::CacheError& e) {
+        if (warn) warn(fmt::format("{}; going on with the cache in memory", e.what()));
+      }
+      stored.cache = std::make_shared<const topology::TopologyCache>(std::move(cache));
+      break;
+    }
+  }
+  return by_hash_[hypertexture.hash] = stored;
+}
+
+std::shared_ptr<const topology::TopologyCache> build_and_write(
+    const geom::Hypertexture& hypertexture, const fs::path& file,
+    const topology::Execution& execution) {
+  prepare_folder(file);
+  topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
+  topology::write_cache(cache, file);
+  return std::make_shared<const topology::TopologyCache>(std::move(cache));
+}
+
+}  // namespace morsel::render

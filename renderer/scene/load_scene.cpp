@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/scene/load_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+
+#include "hypertexture_geom/embree/geometry.h"
+#include "renderer/mesh/mesh_file.h"
+#include "renderer/mesh/normals.h"
+#include "renderer/mesh/primitives.h"
+#include "renderer/scene/cache_store.h"
+#include "renderer/scene/declarations.h"
+#include "renderer/scene/readers.h"
+#include "renderer/scene/scene_json.h"
+
+namespace morsel::render {
+namespace {
+
+using nlohmann::json;
+using params::JsonReader;
+using params::Place;
+
+const json kNoObject = json::object();
+const json kNoArray = json::array();
+
+// Reads a document section by section into `result`. With a list of problems, a problem is noted
+// and the next element is read; without one it is thrown.
+class SceneLoader {
+ public:
+  SceneLoader(const SceneDocument& document, const LoadOptions& options,
+              std::vector<std::string>* problems)
+      : document_(document), options_(options), problems_(problems), store_(document) {}
+
+  // Everything that is quick comes before what can take minutes.
+  LoadedScene load() {
+    attempt([&] {
+      scene_.camera = read_camera(section("camera", kNoObject), document_.place() / "camera");
+    });
+    attempt([&] {
+      scene_.settings = read_settings(section("render", kNoObject), document_.place() / "render");
+    });
+    load_materials();
+    load_lights();
+    if (list_all_geometries()) {
+      load_instances();
+      load_geometries();
+      keep_used_geometries();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  template <class Read>
+  void attempt(Read&& read) {
+    if (problems_ == nullptr) {
+      document_.explain(std::forward<Read>(read));
+      return;
+    }
+    try {
+      document_.explain(std::forward<Read>(read));
+    } catch (const topology::Cancelled&) {
+      throw;
+    } catch (const std::exception& e) {
+      problems_->push_back(e.what());
+    }
+  }
+
+  const json& section(const char* name, const json& if_absent) const {
+    const auto found = document_.root().find(name);
+    return found != document_.root().end() ? *found : if_absent;
+  }
+
+  // Calls read(element, place, index) for each element of an array.
+  template <class Read>
+  void for_each(const char* name, Read&& read) {
+    const json& array = section(name, kNoArray);
+    for (std::size_t i = 0; i < array.size(); ++i)
+      attempt([&] { read(array[i], document_.place() / name / i, i); });
+  }
+
+  void warn(const std::string& message) const {
+    if (options_.warn) options_.warn(message);
+  }
+
+  void load_materials() {
+    for_each("materials", [&](const json& object, const Place& place, std::size_t) {
+      // The name counts even if the rest is wrong: instances that use it are not to blame.
+      const std::string name =
+          object.is_object() && object.contains("name") && object["name"].is_string()
+              ? object["name"].get<std::string>()
+              : "";
+      const bool repeated =
+          std::find(material_names_.begin(), material_names_.end(), name) != material_names_.end();
+      material_names_.push_back(name);
+      scene_.materials.emplace_back();
+      scene_.materials.back() = read_material(object, place);
+      if (repeated)
+        (place / "name").fail(fmt::format("\"{}\" is the name of another material", name));
+    });
+  }
+
+  void load_lights() {
+    for_each("lights", [&](const json& object, const Place& place, std::size_t) {
+      const auto light = read_light(object, place);
+      if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
+        scene_.rectangles.push_back(*rectangle);
+        return;
+      }
+      if (scene_.environment) place.fail("a scene has at most one environment light");
+      EnvironmentLight environment = std::get<EnvironmentLight>(light);
+      if (!environment.file.empty())
+        environment.file = readable_image(environment.file, place / "file");
+      scene_.environment = std::move(environment);
+    });
+  }
+
+  std::string readable_image(const std::string& name, const Place& place) const {
+    const std::filesystem::path file = std::filesystem::absolute(document_.resolve(name));
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error) || !std::ifstream(file))
+      place.fail(fmt::format("{}: no such file, or not readable", file.string()));
+    if (options_.check_image) {
+      try {
+        options_.check_image(file);
+      } catch (const std::runtime_error& e) {
+        place.fail(e.what());
+      }
+    }
+    return file.string();
+  }
+
+  bool list_all_geometries() {
+    bool listed = false;
+    attempt([&] {
+      entries_ = list_geometries(document_);
+      listed = true;
+    });
+    for (const GeometryEntry& entry : entries_) geometry_names_.push_back(entry.name);
+    used_.assign(entries_.size(), false);
+    return listed;
+  }
+
+  void load_instances() {
+    for_each("instances", [&](const json& object, const Place& place, std::size_t) {
+      const InstanceEntry entry = read_instance(object, place);
+      Instance instance;
+      instance.name = entry.name;
+      instance.object_to_world = entry.object_to_world;
+      instance.geometry =
+          find_name(entry.geometry, geometry_names_, "geometry", place / "geometry");
+      instance.material =
+          find_name(entry.material, material_names_, "material", place / "material");
+      used_[instance.geometry] = true;
+      if (!entry.detached_material.empty()) {
+        instance.detached_material = find_name(entry.detached_material, material_names_, "material",
+                                               place / "detached_material");
+        if (entries_[instance.geometry].type != "hypertexture")
+          (place / "detached_material")
+              .fail(fmt::format("geometry \"{}\" is a {}; only a hypertexture has detached pieces",
+                                entry.geometry, entries_[instance.geometry].type));
+      }
+      scene_.instances.push_back(std::move(instance));
+    });
+  }
+
+  void load_geometries() {
+    scene_.geometries.resize(entries_.size());
+    // Hypertextures last: building a cache can take minutes, and all other problems come first.
+    for (const bool hypertextures : {false, true})
+      for (std::size_t i = 0; i < entries_.size(); ++i) {
+        if ((entries_[i].type == "hypertexture") != hypertextures) continue;
+        scene_.geometries[i].name = entries_[i].name;
+        attempt([&] {
+          const Place place = document_.place() / "geometries" / entries_[i].index;
+          load_geometry(i, document_.root()["geometries"][entries_[i].index], place);
+        });
+      }
+  }
+
+  void load_geometry(std::size_t i, const json& object, const Place& place) {
+    const GeometryEntry& entry = entries_[i];
+    if (!used_[i]) warn(fmt::format("geometry \"{}\" is used by no instance", entry.name));
+    auto& shape = scene_.geometries[i].shape;
+    if (entry.type == "mesh") {
+      shape = read_mesh(object, place);
+    } else if (entry.type == "rectangle") {
+      const JsonReader reader(object, rectangle_declaration(), place);
+      shape = make_rectangle(Imath::V2f(reader.vector2("size")));
+    } else if (entry.type == "sphere") {
+      const JsonReader reader(object, sphere_declaration(), place);
+      shape = make_sphere(static_cast<float>(reader.number("radius")),
+                          static_cast<int>(reader.integer("segments")));
+    } else {
+      const geom::Hypertexture hypertexture = read_hypertexture(document_, entry);
+      if (problems_ != nullptr)
+        check_cache(hypertexture);
+      else if (used_[i])
+        shape = make_hypertexture(hypertexture);
+    }
+  }
+
+  TriangleMesh read_mesh(const json& object, const Place& place) const {
+    const JsonReader reader(object, mesh_declaration(), place);
+    try {
+      TriangleMesh mesh = load_mesh(document_.resolve(reader.string("file")));
+      if (mesh.normals.empty() && reader.boolean("smooth")) mesh.normals = smooth_normals(mesh);
+      return mesh;
+    } catch (const MeshError& e) {
+      reader.place("file").fail(e.what());
+    }
+  }
+
+  void check_cache(const geom::Hypertexture& hypertexture) const {
+    const CacheInspection found =
+        inspect_cache(cache_file_of(document_, hypertexture), hypertexture.hash);
+    if (found.state == CacheState::kStale || found.state == CacheState::kDamaged)
+      throw topology::CacheError(found.problem);
+  }
+
+  std::shared_ptr<const geom::HypertextureGeometry> make_hypertexture(
+      const geom::Hypertexture& hypertexture) {
+    const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
+    const topology::Topology& topology = stored.cache->topology;
+    if (topology.touches_box)
+      warn(
+          fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, "
+                      "{:.4g}) and is cut there",
+                      hypertexture.name, topology.touches_box->x, topology.touches_box->y,
+                      topology.touches_box->z));
+    if (!topology.certified)
+      warn(fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
+                       hypertexture.name, topology.unresolved_cells, topology.unresolved_faces));
+    auto geometry = std::make_shared<const geom::HypertextureGeometry>(
+        hypertexture.field, stored.cache, geom::GeometryOptions{hypertexture.keep});
+
+    HypertextureReport report;
+    report.geometry = hypertexture.name;
+    report.cache_file = stored.file;
+    report.built = stored.built;
+    report.build_seconds = stored.cache->seconds;
+    report.components = topology.components.size();
+    const std::vector<bool> kept =
+        topology::kept_components(hypertexture.keep, topology.components, topology.octree());
+    report.kept = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), true));
+    report.certified = topology.certified;
+    report.bricks = geometry->statistics().bricks;
+    report.bytes = geometry->statistics().bytes;
+    result_.hypertextures.push_back(std::move(report));
+    if (geometry->statistics().bricks == 0)
+      warn(fmt::format("geometry \"{}\": nothing of it is kept by the rule \"{}\"",
+                       hypertexture.name, hypertexture.keep.to_string()));
+    return geometry;
+  }
+
+  // Drops geometries without instances and renumbers the rest.
+  void keep_used_geometries() {
+    std::vector<std::uint32_t> renumbered(entries_.size(), 0);
+    std::vector<Geometry> kept;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      if (!used_[i]) continue;
+      renumbered[i] = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(std::move(scene_.geometries[i]));
+    }
+    scene_.geometries = std::move(kept);
+    for (Instance& instance : scene_.instances) instance.geometry = renumbered[instance.geometry];
+  }
+
+  const SceneDocument& document_;
+  const LoadOptions& options_;
+  std::vector<std::string>* problems_;
+  CacheStore store_;
+  LoadedScene result_;
+  Scene& scene_ = result_.scene;
+  std::vector<GeometryEntry> entries_;
+  std::vector<std::string> geometry_names_;
+  std::vector<std::string> material_names_;
+  std::vector<bool> used_;
+};
+
+}  // namespace
+
+LoadedScene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides,
+                       const LoadOptions& options) {
+  const SceneDocument document(file, overrides);
+  return SceneLoader(document, options, nullptr).load();
+}
+
+std::vector<std::string> check_scene(const std::filesystem::path& file,
+                                     const std::vector<Override>& overrides,
+                                     const LoadOptions& options) {
+  std::vector<std::string> problems;
+  try {
+    const SceneDocument document(file, overrides);
+    SceneLoader(document, options, &problems).load();
+  } catch (const params::InputError& e) {
+    problems.push_back(e.what());
+  }
+  return problems;
+}
+
+}  // namespace morsel::render

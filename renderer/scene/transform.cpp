@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/scene/transform.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace morsel::render {
+namespace {
+
+// Counter-clockwise about coordinate axis `axis`; right angles are exact, so that a scene turned by
+// 90 degrees has no rounding in its normals.
+Imath::M44d rotation(int axis, double degrees) {
+  const double turn = std::fmod(degrees, 360.0);
+  double c = std::cos(turn * std::numbers::pi / 180), s = std::sin(turn * std::numbers::pi / 180);
+  if (std::fmod(turn, 90.0) == 0) {
+    c = std::round(c);
+    s = std::round(s);
+  }
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  Imath::M44d m;
+  m[i][i] = c;
+  m[i][j] = s;
+  m[j][i] = -s;
+  m[j][j] = c;
+  return m;
+}
+
+}  // namespace
+
+Imath::M44d make_transform(const Imath::V3d& scale, const Imath::V3d& rotate_degrees,
+                           const Imath::V3d& translate) {
+  Imath::M44d m;
+  for (int axis = 0; axis < 3; ++axis) m[axis][axis] = scale[axis];
+  for (int axis = 0; axis < 3; ++axis) m *= rotation(axis, rotate_degrees[axis]);
+  for (int axis = 0; axis < 3; ++axis) m[3][axis] = translate[axis];
+  return m;
+}
+
+Imath::M44d read_transform(const nlohmann::json& rows, const params::Place& place) {
+  if (rows.size() != 4) place.fail(fmt::format("must have 4 rows, not {}", rows.size()));
+  Imath::M44d m;
+  for (std::size_t r = 0; r < 4; ++r) {
+    const nlohmann::json& row = rows[r];
+    if (!row.is_array() || row.size() != 4)
+      (place / r).fail(fmt::format("must be an array of 4 numbers, not {}", row.dump()));
+    for (std::size_t c = 0; c < 4; ++c) {
+      if (!row[c].is_number() || !std::isfinite(row[c].get<double>()))
+        (place / r / c).fail(fmt::format("must be a finite number, not {}", row[c].dump()));
+      m[static_cast<int>(c)][static_cast<int>(r)] = row[c].get<double>();
+    }
+  }
+  if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
+    (place / std::size_t{3}).fail("must be 0 0 0 1: projections are not supported");
+  if (!is_invertible(m)) place.fail("has no inverse: it flattens the geometry");
+  return m;
+}
+
+bool is_invertible(const Imath::M44d& transform) {
+  double product = 1;
+  Imath::V3d rows[3];
+  for (int i = 0; i < 3; ++i) {
+    rows[i] = Imath::V3d(transform[i][0], transform[i][1], transform[i][2]);
+    product *= rows[i].length();
+  }
+  const double determinant = rows[0].dot(rows[1].cross(rows[2]));
+  return std::isfinite(product) && product > 1e-200 && std::abs(determinant) > 1e-12 * product;
+}
+
+}  // namespace morsel::render
