@@ -20,6 +20,8 @@ add_library(morsel_options INTERFACE)
 # No contraction: the rounding analysis of the local models counts one rounding an operation.
 target_compile_options(morsel_options INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic -ffp-contract=off -fno-math-errno
+  # It takes every reference from a function that was also given a temporary for one to that temporary.
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-dangling-reference>
   $<$<BOOL:${MORSEL_WARNINGS_AS_ERRORS}>:-Werror>)
 if(MORSEL_SANITIZE)
   target_compile_options(morsel_options INTERFACE -fsanitize=${MORSEL_SANITIZE} -fno-omit-frame-pointer)
