@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t meta_offset, meta_bytes;  // JSON
   std::uint64_t node_offset, node_count;
   std::uint64_t component_offset, component_count;
-  std::uint64_t reserved[5];
+  std::uint64_t reserved[6];
   std::uint64_t checksum;  // XXH3 of the whole file with this field zero
 };
 static_assert(sizeof(Header) == 128);

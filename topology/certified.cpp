@@ -81,8 +81,8 @@ Topology certify(const ScalarField& field, const CertifyOptions& options,
 
 Box bound_solid(const ScalarField& field, const Box& outer, int depth) {
   Box bounds = outer;
-  // Each pass sees cells of 2^-depth of what the pass before left; stop when little is gained.
-  for (int pass = 0; pass < 8; ++pass) {
+  // Coarse passes first: each starts from what the one before left.
+  for (int level_limit = std::min(4, depth); level_limit <= depth; ++level_limit) {
     Box next;
     const auto visit = [&](auto&& self, const ScalarField& local, const Box& cell,
                            int level) -> void {
@@ -90,7 +90,7 @@ Box bound_solid(const ScalarField& field, const Box& outer, int depth) {
       if (!next.isEmpty() && next.intersects(cell.min) && next.intersects(cell.max)) return;
       const Interval range = local.model(cell).range();
       if (range.hi < 0.0) return;
-      if (range.lo >= 0.0 || level == depth) {
+      if (range.lo >= 0.0 || level == level_limit) {
         next.extendBy(cell);
         return;
       }
@@ -99,10 +99,7 @@ Box bound_solid(const ScalarField& field, const Box& outer, int depth) {
     };
     visit(visit, field, bounds, 0);
     if (next.isEmpty()) return next;
-    const double before = (bounds.max - bounds.min).length(),
-                 after = (next.max - next.min).length();
     bounds = next;
-    if (after > 0.9 * before) break;
   }
   return bounds;
 }

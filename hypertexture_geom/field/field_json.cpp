@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <chrono>
+
+#include "hypertexture_geom/field/field.h"
+#include "hypertexture_geom/field/registry.h"
+
+namespace morsel::geom {
+namespace {
+
+using nlohmann::json;
+using params::Place;
+using params::Type;
+using topology::Box;
+
+// A composition read from a scene.
+class SceneField final : public Field {
+ public:
+  SceneField(std::shared_ptr<const Expression> root, json canonical)
+      : root_(std::move(root)), canonical_(std::move(canonical)) {}
+
+  double value(const Imath::V3d& x) const override { return root_->value(x); }
+  topology::Jet jet(const Imath::V3d& x) const override { return root_->jet(x); }
+  topology::LocalModel model(const Box& box) const override { return root_->model(box); }
+  std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
+    return root_->restricted_to(box);
+  }
+  json canonical_json() const override { return canonical_; }
+  std::optional<Box> solid_bounds() const override { return root_->superlevel_box(0.0); }
+
+ private:
+  std::shared_ptr<const Expression> root_;
+  json canonical_;
+};
+
+const params::Declaration& field_declaration() {
+  static const params::Declaration declaration{
+      "field",
+      "A density and the modulations applied to it in turn: H = f_n(... f_1(f_0(D(x)))). The solid "
+      "is H >= 0.",
+      {{.name = "density", .type = Type::kObject, .help = "The smooth object D."},
+       {"modulations", Type::kArray, json::array(), "Applied to the density in this order."}}};
+  return declaration;
+}
+
+// The object with every default filled in; keys come out sorted.
+json with_defaults(const json& object, const params::Declaration& declaration) {
+  json result = json::object();
+  for (const params::Parameter& p : declaration.parameters) {
+    const auto it = object.find(p.name);
+    if (it != object.end())
+      result[p.name] = *it;
+    else if (!p.default_value.is_null())
+      result[p.name] = p.default_value;
+    // 1 and 1.0 are the same number.
+    if (result.contains(p.name) && p.type == Type::kNumber)
+      result[p.name] = result[p.name].get<double>();
+  }
+  return result;
+}
+
+template <class Entry>
+const Entry& entry_of(const std::vector<Entry>& entries, const json& object, const Place& place) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) names.push_back(e.declaration.name);
+  const std::string type = params::type_of(object, names, place);
+  for (const Entry& e : entries)
+    if (e.declaration.name == type) return e;
+  throw std::logic_error("type_of returned an unknown type");
+}
+
+std::string fingerprint(const json& canonical) {
+  const std::string text = canonical.dump();
+  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+Box read_bounds(const json& value, const Place& place) {
+  static const params::Declaration declaration{
+      "bounds",
+      "Box in object space that the topology is computed in.",
+      {{.name = "min", .type = Type::kVector3, .help = "Lower corner.", .unit = "length"},
+       {.name = "max", .type = Type::kVector3, .help = "Upper corner.", .unit = "length"}}};
+  const params::JsonReader reader(value, declaration, place);
+  const Box box(reader.vector3("min"), reader.vector3("max"));
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(box.min[axis] < box.max[axis]))
+      place.fail(
+          fmt::format("min must be below max on every axis, but on axis {} they are {} and {}",
+                      "xyz"[axis], box.min[axis], box.max[axis]));
+  return box;
+}
+
+}  // namespace
+
+std::shared_ptr<const Field> field_from_json(const json& value, const Place& place) {
+  const params::JsonReader reader(value, field_declaration(), place);
+  const json& density = reader.object("density");
+  const DensityEntry& d = entry_of(densities(), density, place / "density");
+  json canonical{{"density", with_defaults(density, d.declaration)},
+                 {"modulations", json::array()}};
+  std::shared_ptr<const Expression> root =
+      d.make(params::JsonReader(density, d.declaration, place / "density"));
+  const json& sequence = reader.object("modulations");
+  for (std::size_t i = 0; i < sequence.size(); ++i) {
+    const Place here = place / "modulations" / i;
+    const ModulationEntry& m = entry_of(modulations(), sequence[i], here);
+    root = m.make(std::move(root), params::JsonReader(sequence[i], m.declaration, here));
+    canonical["modulations"].push_back(with_defaults(sequence[i], m.declaration));
+  }
+  return std::make_shared<SceneField>(std::move(root), std::move(canonical));
+}
+
+const params::Declaration& hypertexture_declaration() {
+  static const params::Declaration declaration{
+      "hypertexture",
+      "A hypertextured implicit surface, rendered without its detached pieces.",
+      {{.name = "name", .type = Type::kString, .help = "Instances refer to it by this name."},
+       {"type", Type::kString, "hypertexture", "Kind of geometry."},
+       {.name = "field",
+        .type = Type::kObject,
+        .help = "The field whose surface F = 0 is rendered."},
+       {.name = "bounds",
+        .type = Type::kObject,
+        .help =
+            "Box {min, max} that the topology is computed in; derived from the field when absent.",
+        .optional = true},
+       {"min_depth", Type::kInteger, 3, "Octree cells that hold surface are at least this deep.",
+        "", 0, 12},
+       {"max_depth", Type::kInteger, 20,
+        "Octree cells at this depth are not subdivided further but reported as unresolved.", "", 1,
+        topology::kMaxDepth},
+       {"keep", Type::kString, "main",
+        "Components to render: main, largest:K, volume:V, touching:X,Y,Z, all, detached, "
+        "ids:I,J,..."},
+       {.name = "cache",
+        .type = Type::kString,
+        .help =
+            "Topology cache file, relative to the scene file; chosen by fingerprint when absent.",
+        .optional = true}}};
+  return declaration;
+}
+
+Hypertexture hypertexture_from_json(const json& value, const Place& place) {
+  const params::JsonReader reader(value, hypertexture_declaration(), place);
+  Hypertexture h;
+  h.name = reader.string("name");
+  h.field = field_from_json(reader.object("field"), place / "field");
+  h.certify.min_depth = static_cast<int>(reader.integer("min_depth"));
+  h.certify.max_depth = static_cast<int>(reader.integer("max_depth"));
+  if (h.certify.min_depth > h.certify.max_depth)
+    reader.place("min_depth")
+        .fail(fmt::format("{} exceeds max_depth, {}", h.certify.min_depth, h.certify.max_depth));
+  try {
+    h.keep = topology::KeepRule::parse(reader.string("keep"));
+  } catch (const std::invalid_argument& e) {
+    reader.place("keep").fail(e.what());
+  }
+  if (reader.has("cache")) h.cache = reader.string("cache");
+  if (reader.has("bounds")) {
+    h.certify.box = read_bounds(reader.object("bounds"), place / "bounds");
+  } else {
+    const std::optional<Box> outer = h.field->solid_bounds();
+    if (!outer) place.fail("the field's solid is unbounded: give \"bounds\" {min, max}");
+    if (!outer->isEmpty()) h.certify.box = topology::bound_solid(*h.field, *outer);
+    if (h.certify.box.isEmpty())
+      (place / "field").fail("the field is negative everywhere: there is no surface to render");
+  }
+  h.certify.box = topology::dyadic_box(h.certify.box);
+  const Box& b = h.certify.box;
+  h.canonical = {{"field", h.field->canonical_json()},
+                 {"box", {b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z}},
+                 {"min_depth", h.certify.min_depth},
+                 {"max_depth", h.certify.max_depth}};
+  h.hash = fingerprint(h.canonical);
+  return h;
+}
+
+topology::TopologyCache build_cache(const Hypertexture& hypertexture,
+                                    const topology::Execution& execution) {
+  const auto start = std::chrono::steady_clock::now();
+  topology::TopologyCache cache;
+  cache.topology = topology::certify(*hypertexture.field, hypertexture.certify, execution);
+  cache.field = hypertexture.canonical;
+  cache.field_hash = hypertexture.hash;
+  cache.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return cache;
+}
+
+}  // namespace morsel::geom

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hypertexture_geom/field/impulse_process.h"
+
+namespace morsel::geom {
+namespace {
+
+// A 32-bit finalizer: xor-shifts and odd multipliers, a bijection (constants: C. Wellons,
+// "hash-prospector", lowest bias found of this form).
+std::uint32_t scramble(std::uint32_t h) {
+  h ^= h >> 16;
+  h *= 0x21f0aaadu;
+  h ^= h >> 15;
+  h *= 0x735a2d97u;
+  h ^= h >> 15;
+  return h;
+}
+
+}  // namespace
+
+CellImpulse cell_impulse(std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t index,
+                         std::uint32_t octave, std::uint32_t seed) {
+  // Each word is mixed in after a full scramble of those before it, so that no two of them can
+  // cancel.
+  std::uint32_t h = scramble(seed ^ 0x9e3779b9u);
+  h = scramble(h ^ octave);
+  h = scramble(h + static_cast<std::uint32_t>(i));
+  h = scramble(h ^ static_cast<std::uint32_t>(j) * 0x85ebca6bu);
+  h = scramble(h + static_cast<std::uint32_t>(k) * 0xc2b2ae35u);
+  h = scramble(h ^ index);
+  const std::uint32_t hx = scramble(h + 0x68bc21ebu);
+  const std::uint32_t hy = scramble(h + 0x02e5be93u);
+  const std::uint32_t hz = scramble(h + 0x967a889bu);
+  const std::uint32_t hw = scramble(h + 0xb5297a4du);
+  return {hx * 0x1p-32, hy * 0x1p-32, hz * 0x1p-32, hw * 0x1p-31 - 1.0};
+}
+
+}  // namespace morsel::geom
