@@ -114,7 +114,7 @@ check "changed presets: configured again" test "$(configure_calls)" = 1
 # A picture is made again when the program, the scene, an asset or the cache is newer, else not.
 cd "$folder/work"
 mkdir -p build/release/bin scenes/assets pictures
-touch -d '2 hours ago' build/release/bin/morsel scenes/default.json scenes/assets/bunny.obj \
+touch -d '2 hours ago' build/release/bin/morsel build/release/bin/morsel-render scenes/default.json scenes/assets/bunny.obj \
   scenes/README.md scenes/rock.topo
 touch -d '1 hour ago' pictures/default.exr
 newer() {
@@ -122,7 +122,8 @@ newer() {
     newer_inputs scenes/default.json pictures/default.exr"
 }
 check "nothing is newer than the picture" test -z "$(newer)"
-for file in build/release/bin/morsel scenes/default.json scenes/assets/bunny.obj scenes/rock.topo; do
+for file in build/release/bin/morsel build/release/bin/morsel-render scenes/default.json \
+  scenes/assets/bunny.obj scenes/rock.topo; do
   touch "$file"
   check "$file is newer than the picture" test "$(newer)" = "$file"
   touch -d '2 hours ago' "$file"

@@ -14,8 +14,8 @@ build_topology_cache() {
 # Prints the files that the picture of a scene is made from and that are newer than the picture.
 newer_inputs() {
   local scene=$1 picture=$2
-  find "$MORSEL" "$scene" "$(dirname "$scene")" -type f -newer "$picture" \
-    \( -path "$MORSEL" -o -path "$scene" -o -path '*/assets/*' -o -name '*.topo' \)
+  find "$BUILD_DIR/bin" "$(dirname "$scene")" -type f -newer "$picture" \
+    \( -path "$MORSEL" -o -path "$MORSEL-render" -o -path "$scene" -o -path '*/assets/*' -o -name '*.topo' \)
 }
 
 # render_picture SCENE FILE.exr: unless the picture is newer than everything it is made from.
