@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "renderer/math/vector.h"
+
+namespace morsel::render {
+
+// Half-open ray; the direction need not be a unit vector, distances are in its lengths.
+struct Ray {
+  V3f origin;
+  V3f direction;
+  float tfar = std::numeric_limits<float>::infinity();
+};
+
+// Who asks: things can be hidden from the camera alone.
+enum class RayKind : std::uint32_t { kCamera = 1u, kOther = 2u };
+
+inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
+
+// A point of a surface in world space. Either `light` or `instance` is valid.
+struct SurfaceInteraction {
+  float t = 0.0f;
+  V3f p{0.0f};
+  // Where rays that leave towards the normal's side and away from it start. They are on the true
+  // sides of the surface as the intersector sees it, so tnear can be 0: see accel/README.
+  V3f spawn_front{0.0f}, spawn_behind{0.0f};
+  V3f geometric_normal{0.0f};  // unit, outward: by winding for meshes, -grad F for hypertexture
+  V3f shading_normal{0.0f};    // unit, in the hemisphere of geometric_normal
+  V2f uv{0.0f, 0.0f};          // the mesh's, or barycentric
+  std::uint32_t instance = kNoIndex;
+  std::uint32_t geometry = kNoIndex;
+  std::uint32_t primitive = kNoIndex;
+  std::uint32_t component = kNoIndex;  // of hypertexture
+  std::uint32_t material = 0;
+  std::uint32_t light = kNoIndex;  // index of a rectangle light
+
+  const V3f& spawn(const V3f& direction) const {
+    return dot(direction, geometric_normal) > 0.0f ? spawn_front : spawn_behind;
+  }
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/accel/mesh.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <stdexcept>
+
+#include "renderer/accel/spawn.h"
+
+namespace morsel::render {
+
+GeometryHandle create_mesh_geometry(const Device& device, const TriangleMesh& mesh,
+                                    const std::string& name) {
+  const std::size_t vertices = mesh.positions.size();
+  const auto fail = [&](const std::string& what) {
+    throw std::invalid_argument(fmt::format("mesh '{}': {}", name, what));
+  };
+  if (mesh.triangles.empty()) fail("it has no triangles");
+  if (!mesh.normals.empty() && mesh.normals.size() != vertices)
+    fail(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
+  if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
+    fail(fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Imath::V3i& t = mesh.triangles[i];
+    for (int k = 0; k < 3; ++k)
+      if (t[k] < 0 || static_cast<std::size_t>(t[k]) >= vertices)
+        fail(fmt::format("triangle {} has vertex {} of {}", i, t[k], vertices));
+  }
+
+  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  void* positions = rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0,
+                                            RTC_FORMAT_FLOAT3, sizeof(V3f), vertices);
+  void* triangles =
+      rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              sizeof(Imath::V3i), mesh.triangles.size());
+  device.check(fmt::format("buffers of mesh '{}'", name));
+  std::memcpy(positions, mesh.positions.data(), vertices * sizeof(V3f));
+  std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(Imath::V3i));
+  geom::accept_all_rays(geometry.get());
+  rtcCommitGeometry(geometry.get());
+  device.check(fmt::format("mesh '{}'", name));
+  return geometry;
+}
+
+void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& transform,
+                        std::uint32_t triangle, float u, float v, SurfaceInteraction& s) {
+  const Imath::V3i& t = mesh.triangles[triangle];
+  const auto i0 = static_cast<std::size_t>(t.x), i1 = static_cast<std::size_t>(t.y),
+             i2 = static_cast<std::size_t>(t.z);
+  const V3d p0(mesh.positions[i0]), p1(mesh.positions[i1]), p2(mesh.positions[i2]);
+  const double b1 = u, b2 = v, b0 = 1.0 - b1 - b2;
+
+  // In double, so that the point is in the triangle's plane to far below a float's rounding.
+  const V3d local = p0 * b0 + p1 * b1 + p2 * b2;
+  const V3d e1 = p1 - p0, e2 = p2 - p0;
+  const V3d n = e1.cross(e2);
+  const double area = std::sqrt(n.dot(n));
+  const V3d world = transform.point_to_world(local);
+  s.p = V3f(world);
+  s.geometric_normal = V3f(transform.normal_to_world(n / area));
+
+  // Embree's own error in the distance from the plane: it works in float with coordinates relative
+  // to the ray's origin, and its normal, a cross product, is as much worse as the triangle is
+  // slim. In object lengths, so the world's share goes through object_error's inverse.
+  const double size = std::sqrt(std::max(e1.dot(e1), e2.dot(e2)));
+  const double slimness = std::min(100.0, std::max(1.0, std::sqrt(e1.dot(e1) * e2.dot(e2)) / area));
+  const double in_object = 8.0 * 0x1p-24 * size * slimness;
+  const double magnitude = std::max(std::max(max_abs(V3f(p0)), max_abs(V3f(p1))), max_abs(V3f(p2)));
+  const double offset = transform.world_error(s.p) +
+                        transform.object_to_world_length(in_object + 0x1p-23 * magnitude);
+  set_spawn_points(world, V3d(s.geometric_normal), offset, s);
+
+  s.shading_normal = s.geometric_normal;
+  if (!mesh.normals.empty()) {
+    const V3d interpolated =
+        V3d(mesh.normals[i0]) * b0 + V3d(mesh.normals[i1]) * b1 + V3d(mesh.normals[i2]) * b2;
+    const V3f shading(transform.normal_to_world(interpolated));
+    if (is_finite(shading))
+      s.shading_normal = dot(shading, s.geometric_normal) < 0.0f ? -shading : shading;
+  }
+  s.uv = mesh.uvs.empty()
+             ? V2f(u, v)
+             : mesh.uvs[i0] * static_cast<float>(b0) + mesh.uvs[i1] * u + mesh.uvs[i2] * v;
+}
+
+}  // namespace morsel::render

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/bsdf/bsdf.h"
+
+namespace morsel::render {
+namespace {
+
+constexpr float kGrazing = 1e-4f;  // smallest cosine between the viewer and the shading normal
+
+V3f diffuse_color(const Material& m, const V3f& p) {
+  if (!m.checker_color) return m.color;
+  const float square_sum = std::floor(p.x / m.checker_size) + std::floor(p.z / m.checker_size);
+  return std::fmod(square_sum, 2.0f) != 0.0f ? *m.checker_color : m.color;
+}
+
+// The shading normal, turned until `wo` and its mirror direction are above the surface. All
+// arguments are on the viewer's side of the surface or in its plane.
+V3f usable_normal(const V3f& shading, const V3f& geometric, const V3f& wo) {
+  V3f n = shading;
+  const float above = dot(n, wo);
+  if (above < kGrazing) n = normalize(n + wo * (kGrazing - above));
+  const V3f mirrored = n * (2.0f * dot(n, wo)) - wo;
+  const float height = dot(mirrored, geometric);
+  if (height < kGrazing) {
+    n = normalize(wo + normalize(mirrored + geometric * (kGrazing - height)));
+  }
+  return n;
+}
+
+}  // namespace
+
+Lobe make_lobe(const Material& material, const V3f& p, bool outside) {
+  const float alpha = material.roughness * material.roughness;
+  switch (material.type) {
+    case MaterialType::kConductor:
+      return Conductor(material.color, alpha);
+    case MaterialType::kDielectric: {
+      // Light crosses a solid's boundary twice: the tint is that of the whole passage.
+      const V3f& c = material.color;
+      const V3f tint(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z));
+      return Dielectric(tint, alpha, outside ? material.ior : 1.0f / material.ior);
+    }
+    case MaterialType::kDiffuse:
+      break;
+  }
+  return Diffuse(diffuse_color(material, p));
+}
+
+Bsdf::Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
+           const V3f& shading_normal, const V3f& wo)
+    : geometric_normal_(dot(wo, geometric_normal) >= 0.0f ? geometric_normal : -geometric_normal),
+      smooth_(shading_normal != geometric_normal),
+      frame_(smooth_
+                 ? usable_normal(dot(shading_normal, geometric_normal_) >= 0.0f ? shading_normal
+                                                                                : -shading_normal,
+                                 geometric_normal_, wo)
+                 : geometric_normal_),
+      wo_(frame_.to_local(wo)),
+      lobe_(make_lobe(material, p, dot(wo, geometric_normal) >= 0.0f)) {
+  wo_.z = std::max(wo_.z, 1e-6f);  // wo may lie in the surface to within rounding
+}
+
+float Bsdf::terminator(const V3f& wi) const {
+  const float shading = dot(wi, frame_.z);
+  if (!smooth_ || shading <= 0.0f) return 1.0f;
+  const float g = dot(wi, geometric_normal_) / (shading * dot(frame_.z, geometric_normal_));
+  if (g >= 1.0f) return 1.0f;
+  return g <= 0.0f ? 0.0f : g * (1.0f + g * (1.0f - g));
+}
+
+LobeValue Bsdf::evaluate(const V3f& wi) const {
+  const V3f local = frame_.to_local(wi);
+  if ((dot(wi, geometric_normal_) > 0.0f) != (local.z > 0.0f)) return {};
+  LobeValue v = std::visit([&](const auto& lobe) { return lobe.evaluate(wo_, local); }, lobe_);
+  v.value *= terminator(wi);
+  return v;
+}
+
+std::optional<LobeSample> Bsdf::sample(float choice, const V2f& u) const {
+  auto s = std::visit([&](const auto& lobe) { return lobe.sample(wo_, choice, u); }, lobe_);
+  if (!s) return s;
+  s->wi = normalize(frame_.to_world(s->wi));
+  if ((dot(s->wi, geometric_normal_) > 0.0f) == s->transmission) return std::nullopt;
+  if (!s->delta) s->weight *= terminator(s->wi);
+  return s;
+}
+
+}  // namespace morsel::render

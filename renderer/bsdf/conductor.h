@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderer/bsdf/ggx.h"
+#include "renderer/bsdf/lobe.h"
+
+namespace morsel::render {
+
+// Metal: GGX reflection with Schlick's Fresnel term; a perfect mirror below Ggx::kSmallestAlpha.
+// Light that the facets reflect more than once is put back by scaling the lobe with
+// 1 + F0 (1 - E) / E, E being the lobe's own directional albedo at F = 1 (Turquin, "Practical
+// multiple scattering compensation for microfacet models", 2019), so a white metal is white at any
+// roughness. The scale depends on wo alone, so reciprocity holds only without it.
+class Conductor {
+ public:
+  // `reflectance` at normal incidence, in [0, 1]; alpha is GGX's, in [0, 1].
+  Conductor(const V3f& reflectance, float alpha, bool compensate = true)
+      : reflectance_(reflectance), alpha_(alpha), compensate_(compensate) {}
+
+  LobeValue evaluate(const V3f& wo, const V3f& wi) const;
+  std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
+  bool delta() const { return alpha_ < Ggx::kSmallestAlpha; }
+  V3f albedo() const { return reflectance_; }
+
+ private:
+  V3f compensation(const V3f& wo) const;
+
+  V3f reflectance_;
+  float alpha_;
+  bool compensate_;
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderer/math/vector.h"
+
+namespace morsel::render {
+
+// Isotropic GGX microfacets about +z with Smith's height-correlated masking-shadowing: Walter et
+// al. 2007, Heitz 2014. Directions are unit vectors on either side; facet normals have z > 0.
+class Ggx {
+ public:
+  // Below this the lobe is narrower than what float resolves: treat the surface as smooth.
+  static constexpr float kSmallestAlpha = 1e-3f;
+
+  explicit Ggx(float alpha) : alpha_(alpha) {}
+
+  // Density of facet normals per unit of macro area and solid angle.
+  float distribution(const V3f& h) const {
+    const float a2 = alpha_ * alpha_;
+    // (a2 - 1) cos^2 + 1, arranged to lose no digits at small alpha near the pole.
+    const float d = a2 * h.z * h.z + (h.x * h.x + h.y * h.y);
+    return a2 / (kPi * d * d);
+  }
+  float lambda(const V3f& w) const {
+    const float cos2 = w.z * w.z;
+    const float tan2 = (w.x * w.x + w.y * w.y) / std::max(cos2, 1e-20f);
+    return 0.5f * (std::sqrt(1.0f + alpha_ * alpha_ * tan2) - 1.0f);
+  }
+  float masking(const V3f& w) const { return 1.0f / (1.0f + lambda(w)); }
+  float masking_shadowing(const V3f& wo, const V3f& wi) const {
+    return 1.0f / (1.0f + lambda(wo) + lambda(wi));
+  }
+
+  // Density with which sample_visible() draws `h`; wo.z > 0.
+  float visible_density(const V3f& wo, const V3f& h) const {
+    return masking(wo) * std::max(0.0f, dot(wo, h)) * distribution(h) / wo.z;
+  }
+
+  // A facet normal seen from `wo` (wo.z > 0). The hemisphere of directions that mirror into the
+  // stretched wo is a spherical cap: Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical
+  // Caps", 2023.
+  V3f sample_visible(const V3f& wo, const V2f& u) const {
+    const V3f stretched = normalize(V3f(alpha_ * wo.x, alpha_ * wo.y, wo.z));
+    const float z = (1.0f - u.y) * (1.0f + stretched.z) - stretched.z;
+    const float r = std::sqrt(std::clamp(1.0f - z * z, 0.0f, 1.0f));
+    const float phi = 2.0f * kPi * u.x;
+    const V3f h = V3f(r * std::cos(phi), r * std::sin(phi), z) + stretched;
+    return normalize(V3f(alpha_ * h.x, alpha_ * h.y, std::max(h.z, 1e-7f)));
+  }
+
+ private:
+  float alpha_;
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/math/distribution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "renderer/math/vector.h"
+
+namespace morsel::render {
+
+Distribution1D::Distribution1D(std::span<const double> weights) {
+  if (weights.empty()) throw std::invalid_argument("a distribution needs at least one weight");
+  double total = 0.0;
+  for (const double w : weights) {
+    if (!(w >= 0.0) || !std::isfinite(w))
+      throw std::invalid_argument("a distribution's weights must be finite and >= 0");
+    total += w;
+  }
+  cumulative_.resize(weights.size() + 1);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    sum += total > 0.0 ? weights[i] / total : 1.0 / static_cast<double>(weights.size());
+    cumulative_[i + 1] = std::min(1.0f, static_cast<float>(sum));
+  }
+  // Rounding must not leave a gap below 1 that belongs to a cell without weight.
+  const float last = cumulative_.back();
+  for (std::size_t i = weights.size(); i > 0 && cumulative_[i] == last; --i) cumulative_[i] = 1.0f;
+}
+
+Distribution1D::Cell Distribution1D::sample(float u) const {
+  const auto after = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);
+  const std::size_t index = static_cast<std::size_t>(after - cumulative_.begin()) - 1;
+  const float width = probability(index);
+  const float offset = std::min((u - cumulative_[index]) / width, kOneMinusEpsilon);
+  return {index, offset, width};
+}
+
+}  // namespace morsel::render
