@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <set>
+
+#include "renderer/scene/cache_store.h"
+#include "renderer/scene/scene_json.h"
+#include "tools/commands.h"
+#include "tools/reporter.h"
+#include "tools/scene_options.h"
+
+namespace morsel::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using render::CacheState;
+
+struct Options {
+  SceneOptions scene;
+  ReportingOptions reporting;
+  std::string geometry;
+  std::string output;
+  bool force = false;
+  bool json = false;
+  int threads = 0;
+  int max_depth = 0;  // 0: as the scene says
+};
+
+// Why the cache has to be built; empty when the one that is there is current.
+// A file that is no cache at all is replaced only at a name of our own making.
+std::string reason_to_build(const render::CacheInspection& found, bool own_name, bool force) {
+  switch (found.state) {
+    case CacheState::kMissing:
+      return "missing";
+    case CacheState::kStale:
+      return "stale";
+    case CacheState::kDamaged:
+      if (own_name || force) return "damaged";
+      throw std::runtime_error(found.problem + " (use --force to replace the file)");
+    case CacheState::kCurrent:
+      break;
+  }
+  return force ? "forced" : "";
+}
+
+class Builder {
+ public:
+  Builder(const Options& options, const Session& session)
+      : options_(options),
+        session_(session),
+        reporter_(options.reporting),
+        document_(options.scene.scene, overrides()) {}
+
+  int run() {
+    const auto threads = limit_threads(options_.threads);
+    std::set<std::string> done;
+    for (const render::GeometryEntry& entry : selected()) {
+      const geom::Hypertexture hypertexture = render::read_hypertexture(document_, entry);
+      if (!done.insert(hypertexture.hash).second) {
+        reporter_.info(fmt::format("{}: the same field as another geometry", entry.name));
+        continue;
+      }
+      build(hypertexture);
+    }
+    if (options_.json) std::cout << results_.dump(2) << '\n';
+    return kDone;
+  }
+
+ private:
+  std::vector<render::Override> overrides() const {
+    std::vector<render::Override> all = options_.scene.overrides();
+    if (options_.max_depth == 0) return all;
+    for (render::Override& change :
+         for_each_hypertexture(options_.scene.scene, all, "max_depth", options_.max_depth,
+                               fmt::format("--max-depth {}", options_.max_depth)))
+      all.push_back(std::move(change));
+    return all;
+  }
+
+  std::vector<render::GeometryEntry> selected() {
+    if (!options_.geometry.empty() || !options_.output.empty())
+      return {render::find_hypertexture(document_, options_.geometry)};
+    std::vector<render::GeometryEntry> all;
+    for (const render::GeometryEntry& entry : render::list_geometries(document_))
+      if (entry.type == "hypertexture") all.push_back(entry);
+    if (all.empty()) reporter_.warn("the scene has no hypertexture geometry: nothing to build");
+    return all;
+  }
+
+  void build(const geom::Hypertexture& hypertexture) {
+    const bool own_name = options_.output.empty() && hypertexture.cache.empty();
+    const fs::path file = options_.output.empty() ? render::cache_file_of(document_, hypertexture)
+                                                  : fs::path(options_.output);
+    render::CacheInspection found = render::inspect_cache(file, hypertexture.hash);
+    const std::string reason = reason_to_build(found, own_name, options_.force);
+    if (!reason.empty()) {
+      reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
+      topology::Execution execution;
+      execution.cancel = session_.cancel;
+      execution.progress = [&](double fraction, const char* phase) {
+        reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
+      };
+      found.cache = render::build_and_write(hypertexture, file, execution);
+    }
+    report(hypertexture, file, reason, *found.cache);
+  }
+
+  void report(const geom::Hypertexture& hypertexture, const fs::path& file,
+              const std::string& reason, const topology::TopologyCache& cache) {
+    if (options_.json) {
+      nlohmann::json result = topology::describe(cache, hypertexture.keep);
+      result["geometry"] = hypertexture.name;
+      result["file"] = file.string();
+      result["built"] = !reason.empty();
+      result["reason"] = reason.empty() ? "up to date" : reason;
+      results_.push_back(std::move(result));
+      return;
+    }
+    const std::size_t components = cache.topology.components.size();
+    std::cout << fmt::format("{}: {}: {} ({} component{}, {}, {:.2f} s)\n", hypertexture.name,
+                             file.string(), reason.empty() ? "up to date" : "built, was " + reason,
+                             components, components == 1 ? "" : "s",
+                             cache.topology.certified ? "certified" : "NOT certified",
+                             cache.seconds);
+  }
+
+  const Options& options_;
+  const Session& session_;
+  Reporter reporter_;
+  render::SceneDocument document_;
+  nlohmann::json results_ = nlohmann::json::array();
+};
+
+}  // namespace
+
+void add_cache_build(CLI::App& parent, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = parent.add_subcommand(
+      "build", "Build the topology caches of a scene where they are missing or stale");
+  add_scene_options(*command, options->scene);
+  command->add_option("--geometry", options->geometry, "Only this hypertexture geometry");
+  command->add_option("-o,--output", options->output,
+                      "Write the cache of one geometry to this file");
+  command->add_flag("--force", options->force, "Build even if the cache is up to date");
+  command
+      ->add_option("--max-depth", options->max_depth,
+                   "Depth limit of the octree instead of the scene's (changes the fingerprint)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
+  add_threads_option(*command, options->threads);
+  add_reporting_options(*command, options->reporting);
+  command->callback([options, &session] {
+    session.run = [options, &session] { return Builder(*options, session).run(); };
+  });
+}
+
+}  // namespace morsel::tools

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// `morsel-render`: the commands of `morsel` that need Embree and the image library.
+#include "tools/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace morsel::tools;
+  return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
+    add_render(app, session);
+    CLI::App* scene = app.add_subcommand("scene", "Look at a scene file: check");
+    scene->require_subcommand(1);
+    add_scene_check(*scene, session);
+  });
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <oneapi/tbb/global_control.h>
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/scene/overrides.h"
+
+namespace morsel::tools {
+
+// SCENE and --set: what every command that reads a scene takes.
+struct SceneOptions {
+  std::string scene;
+  std::vector<std::string> set;
+
+  // Of --set. Throws params::InputError.
+  std::vector<render::Override> overrides() const;
+};
+void add_scene_options(CLI::App& command, SceneOptions& options);
+
+// One override of `key` for each hypertexture geometry of the scene that `plain` yields, e.g. what
+// `--keep all` means. `source` is how the user wrote it.
+std::vector<render::Override> for_each_hypertexture(const std::string& scene,
+                                                    const std::vector<render::Override>& plain,
+                                                    const std::string& key,
+                                                    const nlohmann::json& value,
+                                                    const std::string& source);
+
+// --threads: 0 means all that the process may use.
+void add_threads_option(CLI::App& command, int& threads);
+// While it lives, TBB uses at most `threads` threads. Null for 0.
+std::unique_ptr<oneapi::tbb::global_control> limit_threads(int threads);
+
+}  // namespace morsel::tools

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/session.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <iostream>
+
+#include "hypertexture_geom/params/json_reader.h"
+#include "tools/interrupt.h"
+#include "tools/version.h"
+#include "topology/certified.h"
+
+namespace morsel::tools {
+namespace {
+
+int fail(const std::string& message, int code) {
+  fmt::print(stderr, "morsel: error: {}\n", message);
+  return code;
+}
+
+int run_guarded(const Session& session) {
+  try {
+    const int code = session.run();
+    std::cout.flush();
+    if (!std::cout || std::fflush(stdout) != 0)
+      return fail("cannot write to the standard output", kFailed);
+    return code;
+  } catch (const topology::Cancelled&) {
+    return fail("interrupted", kInterrupted);
+  } catch (const params::InputError& e) {
+    return fail(e.what(), kWrongUsage);
+  } catch (const UsageError& e) {
+    return fail(e.what(), kWrongUsage);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", kFailed);
+  } catch (const std::exception& e) {
+    return fail(e.what(), kFailed);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv, const std::function<void(CLI::App&, Session&)>& add) {
+  CLI::App app("Hypertextured implicit surfaces without their debris: caches, fields, pictures",
+               "morsel");
+  app.set_version_flag("--version", version_text, "Print the versions of morsel and its libraries");
+  app.require_subcommand(1);
+  Session session;
+  session.cancel = &install_interrupt_handler();
+  add(app, session);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help, --version
+    return app.exit(e, std::cout, std::cerr);
+  } catch (const CLI::ParseError& e) {
+    app.exit(e, std::cerr, std::cerr);
+    return kWrongUsage;
+  }
+  return run_guarded(session);
+}
+
+}  // namespace morsel::tools
