@@ -100,7 +100,7 @@ std::string KeepRule::to_string() const {
     case Kind::kIds: {
       std::string text = "ids:";
       for (std::size_t i = 0; i < ids.size(); ++i)
-        text += (i == 0 ? "" : ",") + std::to_string(ids[i]);
+        text += fmt::format("{}{}", i == 0 ? "" : ",", ids[i]);
       return text;
     }
   }
