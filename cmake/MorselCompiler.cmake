@@ -23,6 +23,9 @@ target_compile_options(morsel_options INTERFACE
   # It takes every reference from a function that was also given a temporary for one to that temporary.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-dangling-reference>
   $<$<BOOL:${MORSEL_WARNINGS_AS_ERRORS}>:-Werror>)
+# g++ 12's SLP vectoriser drops the rounding of a pair of doubles to float and back (`double(float(x))`
+# becomes x), which breaks whatever must see the rounded value; test: Compiler.RoundTripThroughFloatRounds.
+target_compile_options(morsel_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 if(MORSEL_SANITIZE)
   target_compile_options(morsel_options INTERFACE -fsanitize=${MORSEL_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(morsel_options INTERFACE -fsanitize=${MORSEL_SANITIZE})

@@ -64,10 +64,20 @@ inline RTCRayHit make_ray_hit(const RTCRay& ray) {
   return rayhit;
 }
 
+// Whether Embree takes the ray: Debian's builds keep their asserts, and one ray with a NaN, an
+// infinity (but for tfar), an absurd coordinate or a negative tnear ends the process.
+inline bool is_traceable(const RTCRay& ray) {
+  constexpr float kLarge = 1.8e18f;  // Embree's own limit is 1.844e18
+  const auto is_small = [](float x) { return x >= -kLarge && x <= kLarge; };
+  return is_small(ray.org_x) && is_small(ray.org_y) && is_small(ray.org_z) && is_small(ray.dir_x) &&
+         is_small(ray.dir_y) && is_small(ray.dir_z) && ray.tnear >= 0.0f && ray.tnear <= ray.tfar;
+}
+
 // First hit of `rayhit.ray`: sets ray.tfar and hit. `rayhit.hit.geomID` must be invalid on entry
-// (make_ray_hit sees to that).
+// (make_ray_hit sees to that). A ray that is not traceable hits nothing.
 inline void intersect1(RTCScene scene, RTCRayHit& rayhit,
                        Coherence coherence = Coherence::kIncoherent) {
+  if (!is_traceable(rayhit.ray)) return;
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
@@ -83,6 +93,7 @@ inline void intersect1(RTCScene scene, RTCRayHit& rayhit,
 
 // Whether anything is hit: sets ray.tfar to -infinity if so, and returns it.
 inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coherence::kIncoherent) {
+  if (!is_traceable(ray)) return false;
 #if RTC_VERSION_MAJOR >= 4
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
@@ -97,7 +108,8 @@ inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coheren
   return ray.tfar < 0.0f;
 }
 
-// Packets of 8; valid[i] is -1 for an active lane and 0 for one to leave alone.
+// Packets of 8; valid[i] is -1 for an active lane and 0 for one to leave alone. Active rays must be
+// traceable.
 inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect8(valid, scene, &rayhit, nullptr);

@@ -17,7 +17,7 @@ struct GeometryOptions {
   topology::KeepRule keep;
   // How far from the object ray origins may lie, in its diameters, for the surface to stay
   // watertight: Embree culls boxes in single precision, so bricks are padded in proportion.
-  double far_distance = 20.0;
+  double far_distance = 100.0;
 };
 
 // What a renderer needs to know of a hit, in object space.
