@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "renderer/image/exr.h"
+#include "renderer/image/png.h"
+#include "renderer/image/replacing_file.h"
+#include "renderer/image/tone_map.h"
+#include "tests/renderer/test_scenes.h"
+
+namespace morsel::render {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace testing;
+
+class Images : public ::testing::Test {
+ protected:
+  Images() {
+    directory_ = fs::path(::testing::TempDir()) /
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(directory_);
+    fs::create_directories(directory_);
+    add_material(scene_, MaterialType::kDiffuse, V3f(0.8f, 0.5f, 0.3f));
+    add_mesh(scene_, sphere_mesh(2), 0);
+    add_constant_environment(scene_, 1.0f);
+    set_image(scene_, 40, 30, 4);
+    scene_.settings.crop = Crop{10, 5, 30, 28};
+    scene_.settings.seed = 4000000000u;
+  }
+  ~Images() override { fs::remove_all(directory_); }
+
+  std::ptrdiff_t files() const {
+    return std::distance(fs::directory_iterator(directory_), fs::directory_iterator());
+  }
+
+  fs::path directory_;
+  Scene scene_;
+};
+
+TEST_F(Images, ExrHasEveryLayerAndTheWindows) {
+  const RenderResult result = render(scene_);
+  const fs::path path = directory_ / "image.exr";
+  write_exr(path, scene_, result);
+  EXPECT_EQ(files(), 1);
+
+  const auto in = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(in) << OIIO::geterror();
+  const OIIO::ImageSpec& spec = in->spec();
+  EXPECT_EQ(spec.x, 10);
+  EXPECT_EQ(spec.y, 5);
+  EXPECT_EQ(spec.width, 20);
+  EXPECT_EQ(spec.height, 23);
+  EXPECT_EQ(spec.full_x, 0);
+  EXPECT_EQ(spec.full_width, 40);
+  EXPECT_EQ(spec.full_height, 30);
+  EXPECT_EQ(spec.get_string_attribute("morsel:seed"), "4000000000");
+  EXPECT_EQ(spec.get_int_attribute("morsel:spp"), 4);
+  EXPECT_EQ(spec.get_string_attribute("Software").rfind("Morsel ", 0), 0u);
+  EXPECT_NE(spec.find_attribute("worldtocamera"), nullptr);
+  EXPECT_NE(spec.find_attribute("worldtoscreen"), nullptr);
+
+  std::vector<float> data(static_cast<std::size_t>(20 * 23 * spec.nchannels));
+  ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.data()));
+  const auto value = [&](const char* channel, int x, int y) {
+    const int c = spec.channelindex(channel);
+    EXPECT_GE(c, 0) << channel;
+    return data[static_cast<std::size_t>(((y - 5) * 20 + x - 10) * spec.nchannels + c)];
+  };
+  for (const auto& [x, y] : {std::pair{10, 5}, {20, 15}, {29, 27}}) {
+    const Pixel& p = result.film.at(x, y);
+    EXPECT_NEAR(value("R", x, y), p.color.x, 1e-3f);
+    EXPECT_NEAR(value("B", x, y), p.color.z, 1e-3f);
+    EXPECT_NEAR(value("A", x, y), p.alpha, 1e-3f);
+    EXPECT_NEAR(value("albedo.G", x, y), p.albedo.y, 1e-3f);
+    EXPECT_NEAR(value("N.Z", x, y), p.normal.z, 1e-3f);
+    EXPECT_EQ(value("Z", x, y), p.depth);
+    EXPECT_EQ(value("variance.R", x, y), p.variance.x);
+    EXPECT_EQ(value("component", x, y), p.component);
+    EXPECT_EQ(value("sampleCount", x, y), 4.0f);
+  }
+  const auto type = [&](const char* channel) {
+    return spec.channelformat(spec.channelindex(channel));
+  };
+  EXPECT_EQ(type("R"), OIIO::TypeDesc::HALF);
+  EXPECT_EQ(type("albedo.R"), OIIO::TypeDesc::HALF);
+  EXPECT_EQ(type("Z"), OIIO::TypeDesc::FLOAT);
+  EXPECT_EQ(type("component"), OIIO::TypeDesc::FLOAT);
+}
+
+TEST_F(Images, ExrClampsToTheRangeOfHalf) {
+  scene_.environment->radiance = V3f(1e6f);
+  const fs::path path = directory_ / "bright.exr";
+  write_exr(path, scene_, render(scene_));
+  const auto in = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(in);
+  std::vector<float> red(20 * 23);
+  const int c = in->spec().channelindex("R");
+  ASSERT_TRUE(in->read_image(0, 0, c, c + 1, OIIO::TypeDesc::FLOAT, red.data()));
+  EXPECT_EQ(*std::max_element(red.begin(), red.end()), 65504.0f);
+}
+
+TEST_F(Images, PngIsTheToneMappedWindow) {
+  const RenderResult result = render(scene_);
+  const fs::path path = directory_ / "image.png";
+  write_png(path, result.film, 0.5f);
+  EXPECT_EQ(files(), 1);
+  const auto in = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(in) << OIIO::geterror();
+  EXPECT_EQ(in->spec().width, 20);
+  EXPECT_EQ(in->spec().height, 23);
+  ASSERT_EQ(in->spec().nchannels, 4);
+  std::vector<std::uint8_t> data(20 * 23 * 4);
+  ASSERT_TRUE(in->read_image(0, 0, 0, 4, OIIO::TypeDesc::UINT8, data.data()));
+  for (const auto& [x, y] : {std::pair{10, 5}, {20, 15}, {29, 27}}) {
+    const V3f c = tone_map(result.film.at(x, y).color, 0.5f);
+    const auto offset = static_cast<std::size_t>(((y - 5) * 20 + x - 10) * 4);
+    EXPECT_NEAR(data[offset], c.x * 255.0f, 0.51f);
+    EXPECT_NEAR(data[offset + 2], c.z * 255.0f, 0.51f);
+    EXPECT_EQ(data[offset + 3], 255);
+  }
+}
+
+// Errors name the file, and neither a broken nor a temporary file stays behind.
+TEST_F(Images, FailuresNameTheFileAndLeaveNothing) {
+  const RenderResult result = render(scene_);
+  const auto expect_failure = [&](const fs::path& path, const auto& write) {
+    try {
+      write();
+      FAIL() << path;
+    } catch (const std::runtime_error& e) {
+      EXPECT_NE(std::string(e.what()).find(path.string()), std::string::npos) << e.what();
+    }
+  };
+  const fs::path missing = directory_ / "no-such-folder" / "image.exr";
+  expect_failure(missing, [&] { write_exr(missing, scene_, result); });
+  expect_failure(missing, [&] { write_png(missing, result.film, 0.0f); });
+  // A folder that has the file's name: writing succeeds, renaming cannot.
+  const fs::path folder = directory_ / "folder.exr";
+  fs::create_directories(folder / "inside");
+  expect_failure(folder, [&] { write_exr(folder, scene_, result); });
+  expect_failure(folder, [&] { write_png(folder, result.film, 0.0f); });
+  EXPECT_EQ(files(), 1);  // the folder
+}
+
+TEST_F(Images, ReplacingFileKeepsTheOldOneUntilCommit) {
+  const fs::path path = directory_ / "data.txt";
+  const auto write = [](const fs::path& p, const char* text) { std::ofstream(p) << text; };
+  const auto read = [&] {
+    std::string s;
+    std::ifstream(path) >> s;
+    return s;
+  };
+  write(path, "old");
+  {
+    ReplacingFile file(path);
+    write(file.temporary_path(), "lost");
+    EXPECT_EQ(file.temporary_path().parent_path(), path.parent_path());
+  }
+  EXPECT_EQ(read(), "old");
+  EXPECT_EQ(files(), 1);
+  {
+    ReplacingFile file(path);
+    write(file.temporary_path(), "new");
+    file.commit();
+  }
+  EXPECT_EQ(read(), "new");
+  EXPECT_EQ(files(), 1);
+}
+
+}  // namespace
+}  // namespace morsel::render

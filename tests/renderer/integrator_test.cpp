@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <tuple>
+
+#include "renderer/integrator/render.h"
+#include "tests/renderer/statistics.h"
+#include "tests/renderer/test_scenes.h"
+
+namespace morsel::render {
+namespace {
+
+using namespace testing;
+
+// Mean of the red channel over all pixels, and its standard error from the film's own variance.
+struct Mean {
+  double value = 0.0, error = 0.0;
+};
+Mean mean_of(const Film& film) {
+  Mean m;
+  double variance = 0.0;
+  const Crop& w = film.window();
+  for (int y = w.y0; y < w.y1; ++y)
+    for (int x = w.x0; x < w.x1; ++x) {
+      m.value += film.at(x, y).color.x;
+      variance += film.at(x, y).variance.x;
+    }
+  const double n = 1.0 * film.width() * film.height();
+  m.value /= n;
+  m.error = std::sqrt(variance) / n;
+  return m;
+}
+
+// All pixels see the unit sphere at the origin.
+void look_at_sphere(Scene& scene) {
+  scene.camera.position = V3f(0, 0, 4);
+  scene.camera.vertical_fov = 20.0f;
+}
+
+TEST(Furnace, ConvexDiffuseBodyReflectsItsAlbedo) {
+  for (const float albedo : {1.0f, 0.5f, 0.0f})
+    for (const bool smooth : {false, true}) {
+      Scene scene;
+      add_material(scene, MaterialType::kDiffuse, V3f(albedo));
+      add_mesh(scene, sphere_mesh(4, smooth), 0);
+      add_constant_environment(scene, 1.0f);
+      look_at_sphere(scene);
+      set_image(scene, 16, 16, 64);
+      const RenderResult result = render(scene);
+      // Interpolated normals lose a little along the silhouette.
+      const double tolerance = smooth ? 0.01 : 1e-4;
+      const Mean m = mean_of(result.film);
+      EXPECT_NEAR(m.value, albedo, 4.0 * m.error + tolerance) << smooth;
+      EXPECT_EQ(result.statistics.non_finite_samples, 0u);
+      if (!smooth)
+        for (int y = 0; y < 16; ++y)
+          for (int x = 0; x < 16; ++x) {
+            const Pixel& p = result.film.at(x, y);
+            EXPECT_NEAR(p.color.x, albedo, 6.0f * std::sqrt(p.variance.x) + 1e-3f);
+          }
+    }
+}
+
+TEST(Furnace, MetalOfReflectanceOneVanishes) {
+  for (const float roughness : {0.0f, 0.3f, 0.7f, 1.0f}) {
+    Scene scene;
+    add_material(scene, MaterialType::kConductor, V3f(1.0f), roughness);
+    add_mesh(scene, sphere_mesh(4), 0);
+    add_constant_environment(scene, 1.0f);
+    look_at_sphere(scene);
+    set_image(scene, 16, 16, 64);
+    const Mean m = mean_of(render(scene).film);
+    EXPECT_NEAR(m.value, 1.0, 4.0 * m.error + 0.01) << roughness;
+  }
+}
+
+TEST(Furnace, ClearGlassVanishes) {
+  for (const float roughness : {0.0f, 0.15f}) {
+    Scene scene;
+    add_material(scene, MaterialType::kDielectric, V3f(1.0f), roughness);
+    add_mesh(scene, sphere_mesh(4), 0);
+    add_constant_environment(scene, 1.0f);
+    look_at_sphere(scene);
+    set_image(scene, 16, 16, 64, 64);
+    const RenderResult result = render(scene);
+    const Mean m = mean_of(result.film);
+    EXPECT_NEAR(m.value, 1.0, 4.0 * m.error + (roughness > 0.0f ? 0.02 : 2e-3)) << roughness;
+    EXPECT_EQ(result.statistics.non_finite_samples, 0u);
+  }
+}
+
+// Between two parallel walls of albedo a, one bounce more brings a times more: the inside of a
+// closed diffuse sphere that emits nowhere, seen with a light inside, is checked against the
+// geometric series by way of max_depth.
+TEST(PathTracer, DepthLimitsTheNumberOfBounces) {
+  // Inside a white-ish sphere with a small light at the centre facing down: every bounce multiplies
+  // the light's indirect part by the albedo.
+  double last = 0.0, step = 0.0;
+  for (int depth = 0; depth <= 3; ++depth) {
+    Scene scene;
+    add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
+    add_mesh(scene, sphere_mesh(4), 0, scaled(4, 4, 4));
+    add_rectangle(scene, V3f(-0.05f, 0, -0.05f), V3f(0.1f, 0, 0), V3f(0, 0, 0.1f), 100.0f);
+    scene.camera.position = V3f(0, 1, 0);
+    scene.camera.look_at = V3f(0, 4, 0);  // a part that the light does not reach directly
+    scene.camera.up = V3f(0, 0, 1);
+    scene.camera.vertical_fov = 30.0f;
+    set_image(scene, 16, 16, 256, depth);
+    const Mean m = mean_of(render(scene).film);
+    if (depth == 0) {
+      EXPECT_EQ(m.value, 0.0);
+    } else if (depth == 1) {
+      // In a sphere every point lights every other alike: E = flux / area of the sphere, the
+      // flux being pi * radiance * area of the light.
+      const double flux = kPi * 100.0 * 0.01, area = 4.0 * kPi * 16.0;
+      step = 0.5 * 0.5 * flux / area / kPi;
+      EXPECT_NEAR(m.value, step, 4.0 * m.error + 0.01 * step);
+    } else {
+      EXPECT_NEAR(m.value - last, step * std::pow(0.5, depth - 1), 6.0 * m.error + 0.01 * step);
+    }
+    last = m.value;
+  }
+}
+
+// Form factor of a parallel rectangle with a corner straight above the point, x and y being its
+// sides over its height (any radiation textbook; e.g. Howell's catalogue, B-3).
+double corner_form_factor(double x, double y) {
+  const double a = std::sqrt(1.0 + x * x), b = std::sqrt(1.0 + y * y);
+  return (x / a * std::atan(y / a) + y / b * std::atan(x / b)) / (2.0 * 3.14159265358979323846);
+}
+
+class Lighting : public ::testing::TestWithParam<DirectLighting> {};
+
+TEST_P(Lighting, RectangleGivesTheIrradianceOfItsFormFactor) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.6f));
+  add_mesh(scene, plane_mesh(100.0f), 0);
+  // Seen from the origin: corners at x = -1 and 3, z = -2 and 0.5, height 2.
+  add_rectangle(scene, V3f(-1, 2, -2), V3f(4, 0, 0), V3f(0, 0, 2.5f), 5.0f);
+  scene.camera.position = V3f(0, 1, 3);
+  scene.camera.vertical_fov = 0.1f;
+  set_image(scene, 4, 4, 4096, 0);
+  RenderOptions options;
+  options.direct_lighting = GetParam();
+  const Mean m = mean_of(render(scene, options).film);
+  const double form = corner_form_factor(0.5, 1.0) + corner_form_factor(1.5, 1.0) +
+                      corner_form_factor(0.5, 0.25) + corner_form_factor(1.5, 0.25);
+  EXPECT_NEAR(m.value, 0.6 * 5.0 * form, 4.0 * m.error + 1e-3);
+  EXPECT_LT(m.error, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Strategies, Lighting,
+                         ::testing::Values(DirectLighting::kMis, DirectLighting::kLightsOnly,
+                                           DirectLighting::kBsdfOnly));
+
+// Everything at once: diffuse floor, rough metal, rough glass, an environment, a rectangle.
+Scene mixed_scene() {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.7f, 0.6f, 0.5f));
+  add_material(scene, MaterialType::kConductor, V3f(0.9f, 0.7f, 0.4f), 0.4f);
+  add_material(scene, MaterialType::kDielectric, V3f(0.9f), 0.5f);
+  scene.materials[0].checker_color = V3f(0.2f);
+  add_mesh(scene, plane_mesh(6.0f, -1.0f), 0);
+  add_mesh(scene, sphere_mesh(3, true), 1, translated(-1.2, 0, 0));
+  add_mesh(scene, sphere_mesh(3, true), 2, translated(1.2, 0, 0));
+  add_constant_environment(scene, 0.3f);
+  add_rectangle(scene, V3f(-1, 3, -1), V3f(2, 0, 0), V3f(0, 0, 2), 8.0f);
+  scene.camera.position = V3f(0, 2, 6);
+  scene.camera.vertical_fov = 35.0f;
+  set_image(scene, 48, 32, 64, 4);
+  return scene;
+}
+
+TEST(Mis, HasTheMeanOfEachStrategy) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 256;
+  Mean means[3];
+  RenderOptions options;
+  int i = 0;
+  for (const DirectLighting strategy :
+       {DirectLighting::kMis, DirectLighting::kLightsOnly, DirectLighting::kBsdfOnly}) {
+    options.direct_lighting = strategy;
+    scene.settings.seed = static_cast<std::uint32_t>(i);
+    means[i++] = mean_of(render(scene, options).film);
+  }
+  for (int k = 1; k < 3; ++k)
+    EXPECT_LT(std::abs(means[k].value - means[0].value),
+              4.0 * std::hypot(means[k].error, means[0].error))
+        << k << ": " << means[k].value << " against " << means[0].value;
+  EXPECT_LT(means[0].error, means[2].error);
+  EXPECT_LT(means[0].error, 0.01 * means[0].value);
+}
+
+void expect_identical(const Pixel& a, const Pixel& b, int x, int y) {
+  const auto all = [](const Pixel& p) {
+    return std::tuple(p.color, p.alpha, p.albedo, p.normal, p.variance, p.depth, p.component,
+                      p.samples);
+  };
+  ASSERT_EQ(all(a), all(b)) << x << ", " << y;
+}
+
+TEST(Determinism, ThreadsAndCropChangeNoPixel) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 8;
+  scene.settings.width = 100;
+  scene.settings.height = 70;
+  RenderOptions one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const RenderResult a = render(scene, one);
+  const RenderResult b = render(scene, two);
+  scene.settings.crop = Crop{13, 22, 87, 69};
+  const RenderResult c = render(scene, two);
+  for (int y = 0; y < 70; ++y)
+    for (int x = 0; x < 100; ++x) {
+      expect_identical(a.film.at(x, y), b.film.at(x, y), x, y);
+      if (x >= 13 && x < 87 && y >= 22 && y < 69)
+        expect_identical(a.film.at(x, y), c.film.at(x, y), x, y);
+    }
+  EXPECT_EQ(a.statistics.rays.total(), b.statistics.rays.total());
+  EXPECT_EQ(a.statistics.samples, 100u * 70u * 8u);
+  EXPECT_EQ(a.statistics.rays.camera, a.statistics.samples);
+}
+
+TEST(Features, OfTheFirstSurfaceThatScatters) {
+  Scene scene = mixed_scene();
+  scene.materials[1].roughness = 0.0f;  // a mirror
+  scene.materials[2] = scene.materials[1];
+  scene.materials[2].type = MaterialType::kDielectric;
+  scene.settings.spp = 1;
+  const RenderResult result = render(scene);
+  // Top left: the sky. Bottom: the floor, 3 below the camera.
+  const Pixel& sky = result.film.at(0, 0);
+  EXPECT_EQ(sky.depth, kFarDepth);
+  EXPECT_EQ(sky.alpha, 1.0f);
+  EXPECT_EQ(sky.normal, V3f(0.0f));
+  EXPECT_NEAR(sky.color.x, 0.3f, 1e-6f);
+  const Pixel& floor = result.film.at(24, 31);
+  EXPECT_EQ(floor.normal, V3f(0, 1, 0));
+  EXPECT_TRUE(floor.albedo == V3f(0.2f) || floor.albedo == V3f(0.7f, 0.6f, 0.5f));
+  // Depth is along the axis: a plane through the camera's look-at point at right angles to the view
+  // is at |position - look_at| everywhere; here simply compare with the geometry.
+  EXPECT_GT(floor.depth, 3.0f);
+  EXPECT_LT(floor.depth, 7.0f);
+  // The mirror shows the floor's or the sky's features, not its own.
+  int floor_in_mirror = 0;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 6; x < 20; ++x) {
+      const Pixel& p = result.film.at(x, y);
+      EXPECT_TRUE(p.normal == V3f(0, 1, 0) || p.normal == V3f(0.0f) || p.normal == V3f(0, -1, 0) ||
+                  p.normal == V3f(0, 1, 0))
+          << p.normal;
+      floor_in_mirror += p.depth < 5.7f && p.normal == V3f(0, 1, 0);
+    }
+  EXPECT_GT(floor_in_mirror, 5);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 48; ++x) {
+      EXPECT_LE(max_component(result.film.at(x, y).albedo), 1.0f);
+      EXPECT_EQ(result.film.at(x, y).component, 0.0f);
+    }
+}
+
+TEST(Features, DepthIsAlongTheCamerasAxis) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
+  add_mesh(scene, plane_mesh(100.0f), 0);
+  scene.camera.position = V3f(0, 3, 0);
+  scene.camera.up = V3f(0, 0, 1);
+  scene.camera.vertical_fov = 90.0f;
+  set_image(scene, 16, 8, 4);
+  const RenderResult result = render(scene);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 16; ++x) {
+      EXPECT_NEAR(result.film.at(x, y).depth, 3.0f, 1e-5f);
+      EXPECT_EQ(result.film.at(x, y).color, V3f(0.0f));  // no lights at all: black, not NaN
+    }
+}
+
+TEST(Visibility, LightsAndEnvironmentCanHideFromTheCameraButStillShine) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
+  add_mesh(scene, plane_mesh(1.0f), 0);
+  add_rectangle(scene, V3f(-1, 1.2f, -1), V3f(2, 0, 0), V3f(0, 0, 2), 4.0f);
+  add_constant_environment(scene, 1.0f);
+  scene.camera.position = V3f(0, 0.6f, 5);
+  scene.camera.look_at = V3f(0, 0.6f, 0);
+  set_image(scene, 32, 32, 4);
+  const auto brightest = [](const RenderResult& r, int y0, int y1) {
+    float b = 0.0f;
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < 32; ++x) b = std::max(b, r.film.at(x, y).color.x);
+    return b;
+  };
+  scene.camera.position = V3f(0, 0.3f, 5);  // sees the light from below, the floor from above
+  const RenderResult visible = render(scene);
+  EXPECT_EQ(visible.film.at(0, 0).alpha, 1.0f);
+  EXPECT_GT(brightest(visible, 0, 16), 3.9f);
+  scene.rectangles[0].visible_to_camera = false;
+  scene.environment->visible_to_camera = false;
+  const RenderResult hidden = render(scene);
+  EXPECT_EQ(hidden.film.at(0, 0).alpha, 0.0f);
+  EXPECT_EQ(hidden.film.at(0, 0).color, V3f(0.0f));
+  EXPECT_EQ(brightest(hidden, 0, 16), 0.0f);
+  EXPECT_GT(brightest(hidden, 16, 32), 1.0f);
+}
+
+TEST(Render, CanBeCancelledAndReportsProgress) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 2;
+  std::vector<double> fractions;
+  RenderOptions options;
+  options.threads = 2;
+  options.progress = [&](double f) { fractions.push_back(f); };
+  EXPECT_FALSE(render(scene, options).cancelled);
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  ASSERT_FALSE(fractions.empty());
+  EXPECT_EQ(fractions.back(), 1.0);
+
+  std::atomic<bool> cancel{true};
+  options.cancel = &cancel;
+  const RenderResult result = render(scene, options);
+  EXPECT_TRUE(result.cancelled);
+  EXPECT_EQ(result.statistics.samples, 0u);
+  EXPECT_EQ(result.film.at(0, 0).samples, 0u);
+}
+
+TEST(Render, RefusesWhatCannotBeRendered) {
+  const Scene good = mixed_scene();
+  const auto refused = [](const Scene& scene) {
+    EXPECT_THROW(render(scene), std::invalid_argument);
+  };
+  Scene scene = good;
+  scene.settings.spp = 0;
+  refused(scene);
+  scene = good;
+  scene.settings.width = 0;
+  refused(scene);
+  scene = good;
+  scene.settings.crop = Crop{0, 0, 49, 10};
+  refused(scene);
+  scene.settings.crop = Crop{5, 5, 5, 10};
+  refused(scene);
+  scene = good;
+  scene.camera.look_at = scene.camera.position;
+  refused(scene);
+  scene = good;
+  scene.camera.vertical_fov = 180.0f;
+  refused(scene);
+  scene = good;
+  scene.environment->file = "/nowhere/sky.exr";
+  EXPECT_THROW(render(scene), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace morsel::render
