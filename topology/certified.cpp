@@ -79,29 +79,4 @@ Topology certify(const ScalarField& field, const CertifyOptions& options,
   return topology;
 }
 
-Box bound_solid(const ScalarField& field, const Box& outer, int depth) {
-  Box bounds = outer;
-  // Coarse passes first: each starts from what the one before left.
-  for (int level_limit = std::min(4, depth); level_limit <= depth; ++level_limit) {
-    Box next;
-    const auto visit = [&](auto&& self, const ScalarField& local, const Box& cell,
-                           int level) -> void {
-      // What is already inside can't enlarge the result.
-      if (!next.isEmpty() && next.intersects(cell.min) && next.intersects(cell.max)) return;
-      const Interval range = local.model(cell).range();
-      if (range.hi < 0.0) return;
-      if (range.lo >= 0.0 || level == level_limit) {
-        next.extendBy(cell);
-        return;
-      }
-      const std::unique_ptr<ScalarField> restricted = local.restricted_to(cell);
-      for (int i = 0; i < 8; ++i) self(self, *restricted, child_box(cell, i), level + 1);
-    };
-    visit(visit, field, bounds, 0);
-    if (next.isEmpty()) return next;
-    bounds = next;
-  }
-  return bounds;
-}
-
 }  // namespace morsel::topology

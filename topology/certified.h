@@ -76,9 +76,4 @@ inline constexpr int kMaxDepth = 24;
 // has extent.
 Box dyadic_box(const Box& box);
 
-// The smallest axis-aligned box found, by proof, to contain all of {F >= 0} within `outer`: cells
-// are discarded where F < 0 is certain, down to 1/2^depth of the box
-// that a coarser pass left. Empty when no cell is left.
-Box bound_solid(const ScalarField& field, const Box& outer, int depth = 7);
-
 }  // namespace morsel::topology

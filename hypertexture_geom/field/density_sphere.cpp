@@ -85,7 +85,7 @@ class Sphere final : public Expression {
     return std::make_unique<Sphere>(*this);
   }
 
-  Interval global_range() const override {
+  Interval expected_range() const override {
     return {-std::numeric_limits<double>::infinity(), radius_};
   }
 

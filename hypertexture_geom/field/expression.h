@@ -12,10 +12,13 @@ namespace morsel::geom {
 // sequence composes. Immutable.
 class Expression : public topology::ScalarField {
  public:
-  // An enclosure of the values over all of space.
-  virtual topology::Interval global_range() const = 0;
+  // The values to expect over all of space: exceeded nowhere (densities), or so rarely that no
+  // object meets it (noises of random impulses: 6 standard deviations and more). Only used to find
+  // a box to work in, never in a proof.
+  virtual topology::Interval expected_range() const = 0;
 
-  // A box outside of which the value is below `level` for certain; empty when there is none.
+  // A box outside of which a value of `level` or more is not to be expected; empty when there is
+  // none.
   virtual std::optional<topology::Box> superlevel_box(double level) const = 0;
 };
 

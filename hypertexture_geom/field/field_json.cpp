@@ -6,6 +6,7 @@
 
 #include "hypertexture_geom/field/field.h"
 #include "hypertexture_geom/field/registry.h"
+#include "topology/bound_solid.h"
 
 namespace morsel::geom {
 namespace {
@@ -164,9 +165,12 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
   } else {
     const std::optional<Box> outer = h.field->solid_bounds();
     if (!outer) place.fail("the field's solid is unbounded: give \"bounds\" {min, max}");
-    if (!outer->isEmpty()) h.certify.box = topology::bound_solid(*h.field, *outer);
+    if (!outer->isEmpty()) h.certify.box = topology::find_solid(*h.field, *outer);
     if (h.certify.box.isEmpty())
-      (place / "field").fail("the field is negative everywhere: there is no surface to render");
+      (place / "field")
+          .fail(
+              "no point with F >= 0 was found: the field has no solid to render (or give "
+              "\"bounds\")");
   }
   h.certify.box = topology::dyadic_box(h.certify.box);
   const Box& b = h.certify.box;

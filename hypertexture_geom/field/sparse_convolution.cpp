@@ -203,14 +203,15 @@ class SparseConvolution final : public Expression {
     return field;
   }
 
-  Interval global_range() const override {
+  Interval expected_range() const override {
+    // 6.2 standard deviations of every octave at once.
     double bound = 0.0;
-    for (const double b : process_->bounds) bound += b;
+    for (const Octave& o : octaves()) bound += 6.2 * 0.5345 * std::abs(o.amplitude);
     return {-bound, bound};
   }
 
   std::optional<Box> superlevel_box(double level) const override {
-    if (global_range().hi < level) return Box();
+    if (expected_range().hi < level) return Box();
     return std::nullopt;
   }
 

@@ -63,12 +63,12 @@ class Sum final : public Expression {
     return std::make_unique<LocalSum>(a_->restricted_to(box), b_->restricted_to(box));
   }
 
-  Interval global_range() const override { return a_->global_range() + b_->global_range(); }
+  Interval expected_range() const override { return a_->expected_range() + b_->expected_range(); }
 
   // Where the sum reaches the level, each term reaches it less the other's maximum.
   std::optional<Box> superlevel_box(double level) const override {
-    const std::optional<Box> in_a = a_->superlevel_box(level - b_->global_range().hi);
-    const std::optional<Box> in_b = b_->superlevel_box(level - a_->global_range().hi);
+    const std::optional<Box> in_a = a_->superlevel_box(level - b_->expected_range().hi);
+    const std::optional<Box> in_b = b_->superlevel_box(level - a_->expected_range().hi);
     if (!in_a) return in_b;
     if (!in_b) return in_a;
     Box both;

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topology/bound_solid.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace morsel::topology {
+namespace {
+
+constexpr int kBlock = 8;       // points along a side of a block, which shares one restricted field
+constexpr int kFaceDepth = 12;  // cells of a face this small stay undecided
+constexpr double kMargin = 0.04;  // of the solid's size, on each side
+
+Box intersection(Box a, const Box& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    a.min[axis] = std::max(a.min[axis], b.min[axis]);
+    a.max[axis] = std::min(a.max[axis], b.max[axis]);
+  }
+  return a;
+}
+
+// Bounding box of the grid points of `region` where F >= 0; the grid has blocks * kBlock points
+// along each axis.
+Box sampled_solid(const ScalarField& field, const Box& region, int blocks) {
+  const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
+  std::vector<Box> found(static_cast<std::size_t>(blocks) * blocks * blocks);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t n) {
+    const int b = static_cast<int>(n);
+    const Imath::V3d corner =
+        region.min +
+        step * Imath::V3d(b % blocks, b / blocks % blocks, b / (blocks * blocks)) * double{kBlock};
+    const std::unique_ptr<ScalarField> local =
+        field.restricted_to(Box(corner, corner + step * double{kBlock}));
+    for (int k = 0; k < kBlock; ++k)
+      for (int j = 0; j < kBlock; ++j)
+        for (int i = 0; i < kBlock; ++i) {
+          const Imath::V3d x = corner + step * Imath::V3d(i + 0.5, j + 0.5, k + 0.5);
+          if (local->value(x) >= 0.0) found[n].extendBy(x);
+        }
+  });
+  Box all;
+  for (const Box& box : found) all.extendBy(box);
+  return all;
+}
+
+// True when F < 0 is proved on all of a face (a box without extent along `axis`).
+bool proved_empty(const ScalarField& field, const Box& face, int axis, int depth) {
+  const Interval range = field.model(face).range();
+  if (range.hi < 0.0) return true;
+  if (range.lo >= 0.0 || depth == kFaceDepth) return false;
+  const std::unique_ptr<ScalarField> local = field.restricted_to(face);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const Imath::V3d middle = centre(face);
+  for (int i = 0; i < 4; ++i) {
+    Box quarter = face;
+    ((i & 1) ? quarter.min : quarter.max)[u] = middle[u];
+    ((i & 2) ? quarter.min : quarter.max)[v] = middle[v];
+    if (!proved_empty(*local, quarter, axis, depth + 1)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Box find_solid(const ScalarField& field, const Box& outer) {
+  Box inside;
+  Box region = outer;
+  int blocks = 4;
+  for (int pass = 0; pass < 4; ++pass) {
+    const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
+    inside.extendBy(sampled_solid(field, region, blocks));
+    if (inside.isEmpty()) return inside;
+    region = intersection(Box(inside.min - step * 2.0, inside.max + step * 2.0), outer);
+    blocks = 8;
+  }
+  const Imath::V3d extent = inside.max - inside.min;
+  const Imath::V3d margin(kMargin * std::max({extent.x, extent.y, extent.z}));
+  Box box = intersection(Box(inside.min - margin, inside.max + margin), outer);
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (int i = 0; i < 6; ++i) {
+      const int axis = i / 2;
+      const bool upper = i % 2 == 1;
+      double& plane = upper ? box.max[axis] : box.min[axis];
+      const double limit = upper ? outer.max[axis] : outer.min[axis];
+      if (plane == limit) continue;
+      Box face = box;
+      (upper ? face.min : face.max)[axis] = plane;
+      if (proved_empty(field, face, axis, 0)) continue;
+      plane = upper ? std::min(limit, plane + margin[axis]) : std::max(limit, plane - margin[axis]);
+      grown = true;
+    }
+  }
+  return box;
+}
+
+}  // namespace morsel::topology

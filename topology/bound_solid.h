@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "topology/box.h"
+#include "topology/scalar_field.h"
+
+namespace morsel::topology {
+
+// A box for the topology stage: the bounding box of the points with F >= 0 that grids within
+// `outer` meet (refined until neighbouring points are 1/64 of the box apart), grown by 4 % of its
+// size and then, face by face, until F < 0 is proved on all of the boundary or `outer` is reached.
+// So no piece of the solid is cut; a piece that lies wholly beyond the box is not part of what is
+// certified. Empty when no grid point is inside. Does not depend on the number of threads.
+Box find_solid(const ScalarField& field, const Box& outer);
+
+}  // namespace morsel::topology
