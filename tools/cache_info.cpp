@@ -24,8 +24,12 @@ topology::KeepRule parse_keep(const std::string& text) {
   }
 }
 
+// Tables are for --json; here their length will do.
 std::string text_of(const nlohmann::json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_array() && !value.empty() && value[0].is_structured())
+    return fmt::format("({} entries; see --json)", value.size());
+  return value.dump();
 }
 
 // "octree.leaves  160920" for every value that is not an object, aligned.
