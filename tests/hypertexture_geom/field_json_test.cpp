@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a scene may say about a field, and what it hears when it says it wrong.
+#include <gtest/gtest.h>
+
+#include "tests/hypertexture_geom/test_fields.h"
+
+namespace morsel::geom {
+namespace {
+
+using nlohmann::json;
+using testing::eq13_json;
+
+// The message of the InputError that `json` provokes as a hypertexture geometry.
+std::string error_of(const json& value) {
+  try {
+    hypertexture_from_json(value, params::Place{"scene.json", "/geometries/0"});
+  } catch (const params::InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+json rock() { return {{"name", "rock"}, {"type", "hypertexture"}, {"field", eq13_json(1, 1)}}; }
+
+void expect_all(const std::string& text, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts)
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in: " << text;
+}
+
+TEST(FieldJson, ErrorsNameFilePlaceValueAndChoices) {
+  json bad = rock();
+  bad["field"]["modulations"][0]["amplitud"] = 1;
+  expect_all(error_of(bad), {"scene.json", "/geometries/0/field/modulations/0/amplitud",
+                             "amplitude", "known keys"});
+  bad = rock();
+  bad["field"]["modulations"][0]["layers"] = 0;
+  expect_all(error_of(bad), {"/field/modulations/0/layers", "0", "between 1 and 16"});
+  bad = rock();
+  bad["field"]["modulations"][0]["layers"] = 1.5;
+  expect_all(error_of(bad), {"/field/modulations/0/layers", "an integer", "1.5"});
+  bad = rock();
+  bad["field"]["modulations"][0]["noise"] = "sparse";
+  expect_all(error_of(bad),
+             {"/field/modulations/0/noise", "sparse", "choices", "sparse_convolution"});
+  bad = rock();
+  bad["field"]["density"]["type"] = "spere";
+  expect_all(error_of(bad), {"/field/density/type", "spere", "did you mean \"sphere\""});
+  bad = rock();
+  bad["field"]["density"]["radius"] = 0;
+  expect_all(error_of(bad), {"/field/density/radius", "0 excluded"});
+  bad = rock();
+  bad["field"]["density"]["radius"] = std::numeric_limits<double>::infinity();
+  expect_all(error_of(bad), {"/field/density/radius", "finite"});
+  bad = rock();
+  bad["field"].erase("density");
+  expect_all(error_of(bad), {"/field", "missing key \"density\""});
+  bad = rock();
+  bad["bounds"] = {{"min", {0, 0, 0}}, {"max", {1, 0, 1}}};
+  expect_all(error_of(bad), {"/bounds", "axis y"});
+  bad = rock();
+  bad["keep"] = "bigest";
+  expect_all(error_of(bad), {"/keep", "bigest", "largest:K"});
+  bad = rock();
+  bad["field"]["density"]["radius"] = 0.001;
+  bad["field"]["modulations"] = json::array();
+  bad["bounds"] = {{"min", {2, 2, 2}}, {"max", {3, 3, 3}}};
+  EXPECT_EQ(error_of(bad), "no error");
+}
+
+TEST(FieldJson, TheFingerprintFollowsTheFieldAndNotItsSpelling) {
+  const params::Place place{"t", ""};
+  json first = rock();
+  first["bounds"] = {{"min", {-3, -3, -3}}, {"max", {3, 3, 3}}};  // deriving them takes time
+  const std::string hash = hypertexture_from_json(first, place).hash;
+  json same = first;
+  same["field"]["modulations"][0]["lacunarity"] = 2;  // the default, spelled out
+  same["field"]["density"]["radius"] = 1;             // 1 for 1.0
+  same["keep"] = "all";                               // doesn't touch the topology
+  EXPECT_EQ(hypertexture_from_json(same, place).hash, hash);
+  json other = first;
+  other["field"]["modulations"][0]["seed"] = 2;
+  EXPECT_NE(hypertexture_from_json(other, place).hash, hash);
+  other = first;
+  other["max_depth"] = 19;
+  EXPECT_NE(hypertexture_from_json(other, place).hash, hash);
+}
+
+TEST(FieldJson, DerivedBoxHoldsThePieces) {
+  for (const int seed : {1, 2, 3}) {
+    json value = rock();
+    value["field"] = eq13_json(1, seed, 0.5, 2.0);
+    const Hypertexture h = hypertexture_from_json(value, params::Place{"t", ""});
+    const topology::TopologyCache cache = build_cache(h);
+    EXPECT_FALSE(cache.topology.touches_box.has_value()) << seed;
+    EXPECT_TRUE(cache.topology.certified);
+  }
+}
+
+}  // namespace
+}  // namespace morsel::geom
