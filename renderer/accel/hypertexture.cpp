@@ -24,10 +24,11 @@ bool interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
   // Embree took the ray's origin and direction to object space in float. Where the ray starts far
   // from what it hits, the origin's error is the larger one. The spawn points will make the same
   // journey once more, and t itself was rounded to float.
-  const float error = transform.object_error(s.p) + transform.object_error(ray.origin) +
-                      transform.object_length(0x1p-23f * s.t * max_abs(ray.direction));
+  const double error = transform.object_error(s.p).length() +
+                       transform.object_error(ray.origin).length() +
+                       transform.object_length(0x1p-23 * s.t * max_abs(ray.direction));
   const geom::ShadingPoint point =
-      hypertexture.shade(brick, V3f(transform.point_to_object(world)), error);
+      hypertexture.shade(brick, V3f(transform.point_to_object(world)), static_cast<float>(error));
   s.geometric_normal = V3f(transform.normal_to_world(V3d(point.normal)));
   s.shading_normal = s.geometric_normal;
   s.spawn_front = V3f(transform.point_to_world(V3d(point.spawn_front)));

@@ -54,22 +54,26 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   // In double, so that the point is in the triangle's plane to far below a float's rounding.
   const V3d local = p0 * b0 + p1 * b1 + p2 * b2;
   const V3d e1 = p1 - p0, e2 = p2 - p0;
-  const V3d n = e1.cross(e2);
-  const double area = std::sqrt(n.dot(n));
+  const V3d scaled_normal = e1.cross(e2);
+  const double area = std::sqrt(scaled_normal.dot(scaled_normal));
+  const V3d n = scaled_normal / area;
   const V3d world = transform.point_to_world(local);
   s.p = V3f(world);
-  s.geometric_normal = V3f(transform.normal_to_world(n / area));
+  double stretch;
+  const V3d world_normal = transform.normal_to_world(n, stretch);
+  s.geometric_normal = V3f(world_normal);
 
-  // Embree's own error in the distance from the plane: it works in float with coordinates relative
-  // to the ray's origin, and its normal, a cross product, is as much worse as the triangle is
-  // slim. In object lengths, so the world's share goes through object_error's inverse.
+  // How far off the plane, in object space, Embree may take a ray's origin to be: the transform's
+  // error along the normal; its vertices relative to the origin round once; its normal, a cross
+  // product in float, is as much worse as the triangle is slim.
+  const V3d error = transform.object_error(s.p);
+  const double from_transform =
+      error.x * std::abs(n.x) + error.y * std::abs(n.y) + error.z * std::abs(n.z);
   const double size = std::sqrt(std::max(e1.dot(e1), e2.dot(e2)));
   const double slimness = std::min(100.0, std::max(1.0, std::sqrt(e1.dot(e1) * e2.dot(e2)) / area));
-  const double in_object = 8.0 * 0x1p-24 * size * slimness;
   const double magnitude = std::max(std::max(max_abs(V3f(p0)), max_abs(V3f(p1))), max_abs(V3f(p2)));
-  const double offset = transform.world_error(s.p) +
-                        transform.object_to_world_length(in_object + 0x1p-23 * magnitude);
-  set_spawn_points(world, V3d(s.geometric_normal), offset, s);
+  const double in_object = from_transform + 0x1p-24 * (8.0 * size * slimness + 2.0 * magnitude);
+  set_spawn_points(world, world_normal, in_object / stretch, s);
 
   s.shading_normal = s.geometric_normal;
   if (!mesh.normals.empty()) {

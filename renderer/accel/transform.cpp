@@ -33,23 +33,28 @@ InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& na
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 3; ++j) columns_[3 * i + j] = static_cast<float>(m[i][j]);
 
-  const double inverse_norm = norm(to_object_);
-  // Each of the matrix, its inverse (computed by cofactors) and the products rounds a handful of
-  // times; an error in object space comes back multiplied by the norm of the matrix. 16 roundings
-  // are about twice what a count of the operations gives.
-  const double condition = std::max(1.0, scale * inverse_norm);
-  error_scale_ = static_cast<float>(16.0 * 0x1p-24 * condition);
-  translation_ = max_abs(V3f(V3d(m[3][0], m[3][1], m[3][2])));
-  inverse_norm_ = static_cast<float>(inverse_norm);
-  norm_ = std::sqrt(3.0) * scale;
+  // Rounding M perturbs its inverse N by up to eps |N||M||N|, and so does inverting in float, to
+  // within a small factor; multiplying adds eps |N| for each operation. 8 is about twice the count.
+  const auto absolute = [](const Imath::M44d& a, int i, int j) { return std::abs(a[i][j]); };
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double sum = absolute(to_object_, i, j);
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l)
+          sum += absolute(to_object_, i, k) * absolute(m, k, l) * absolute(to_object_, l, j);
+      error_[i][j] = 8.0 * 0x1p-24 * sum;
+    }
+  translation_ = V3d(absolute(m, 3, 0), absolute(m, 3, 1), absolute(m, 3, 2));
+  inverse_norm_ = std::sqrt(3.0) * norm(to_object_);
 }
 
-V3d InstanceTransform::normal_to_world(const V3d& n) const {
+V3d InstanceTransform::normal_to_world(const V3d& n, double& stretch) const {
   const Imath::M44d& i = to_object_;
   const V3d w(n.x * i[0][0] + n.y * i[0][1] + n.z * i[0][2],
               n.x * i[1][0] + n.y * i[1][1] + n.z * i[1][2],
               n.x * i[2][0] + n.y * i[2][1] + n.z * i[2][2]);
-  return w / std::sqrt(w.dot(w));
+  stretch = std::sqrt(w.dot(w));
+  return w / stretch;
 }
 
 }  // namespace morsel::render

@@ -19,21 +19,23 @@ class InstanceTransform {
 
   V3d point_to_world(const V3d& p) const { return p * to_world_; }
   V3d point_to_object(const V3d& p) const { return p * to_object_; }
-  // Outward normals stay outward under mirroring: n (M^-1)^T, normalised.
-  V3d normal_to_world(const V3d& n) const;
+  // Outward normals stay outward under mirroring: n (M^-1)^T, normalised. `stretch` is the length
+  // before that: how much distances along the normal grow on the way from the world to the object.
+  V3d normal_to_world(const V3d& n, double& stretch) const;
+  V3d normal_to_world(const V3d& n) const {
+    double stretch;
+    return normal_to_world(n, stretch);
+  }
 
-  // A bound on how far (in world lengths) the point where Embree's traversal takes a world point
-  // `p` to be in object space lies from where it is: the rounding of the matrix, of its inverse and
-  // of the product.
-  float world_error(const V3f& p) const { return error_scale_ * (max_abs(p) + translation_); }
-  // The same in object lengths.
-  float object_error(const V3f& p) const { return world_error(p) * inverse_norm_; }
-
-  // A length in object space is at most this long in the world.
-  double object_to_world_length(double length) const { return length * norm_; }
-
-  // And the other way.
-  float object_length(float world_length) const { return world_length * inverse_norm_; }
+  // Bounds, for each object-space coordinate, on how far off Embree's traversal takes a world point
+  // to be in object space: by the rounding of the matrix, of its inverse and of the product.
+  V3d object_error(const V3f& p) const {
+    const V3d a(std::abs(p.x) + translation_.x, std::abs(p.y) + translation_.y,
+                std::abs(p.z) + translation_.z);
+    return a.x * error_[0] + a.y * error_[1] + a.z * error_[2];
+  }
+  // A length in the world is at most this long in object space.
+  double object_length(double world_length) const { return world_length * inverse_norm_; }
 
   // The twelve floats of RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR.
   const float* columns() const { return columns_; }
@@ -41,8 +43,9 @@ class InstanceTransform {
  private:
   Imath::M44d to_world_, to_object_;
   float columns_[12];
-  float error_scale_, translation_, inverse_norm_;
-  double norm_;
+  V3d translation_;  // absolute values
+  V3d error_[3];     // rows: error of the object coordinates for each unit of a world coordinate
+  double inverse_norm_;
 };
 
 }  // namespace morsel::render

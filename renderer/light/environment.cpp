@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/light/environment.h"
 
+#include <array>
 #include <limits>
 #include <stdexcept>
 
 namespace morsel::render {
+namespace {
+
+// Draws x in [0, 1] with density proportional to a (1 - x) + b x, by inversion.
+float sample_linear(float u, float a, float b) {
+  if (!(a + b > 0.0f)) return u;
+  const float divisor = a + std::sqrt(a * a * (1.0f - u) + b * b * u);
+  return divisor > 0.0f ? std::min(u * (a + b) / divisor, 1.0f) : 0.0f;
+}
+
+}  // namespace
 
 Environment::Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees)
     : image_(std::move(image)) {
@@ -17,89 +28,125 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
   sine_ = std::sin(rotation);
   cosine_ = std::cos(rotation);
 
-  row_z_.resize(static_cast<std::size_t>(height) + 1);
-  for (int y = 0; y <= height; ++y)
-    row_z_[static_cast<std::size_t>(y)] = std::cos(3.14159265358979323846 * y / height);
-  row_z_.front() = 1.0;
-  row_z_.back() = -1.0;
-
-  std::vector<double> row_weight(static_cast<std::size_t>(height));
-  std::vector<double> weight(static_cast<std::size_t>(width));
-  V3d sum(0.0);
-  for (int y = 0; y < height; ++y) {
-    const double solid_angle = row_z_[static_cast<std::size_t>(y)] -
-                               row_z_[static_cast<std::size_t>(y) + 1];  // times 2 pi / width
-    const int rows[3] = {std::max(y - 1, 0), y, std::min(y + 1, height - 1)};
+  constexpr double kDoublePi = 3.14159265358979323846;
+  std::vector<double> row_weight, weight(static_cast<std::size_t>(width));
+  for (int row = 0; row <= height; ++row) {
+    const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
     double total = 0.0;
     for (int x = 0; x < width; ++x) {
-      // The mean of a bilinear interpolation over a texel weighs neighbours 1 : 6 : 1 an axis.
-      const int columns[3] = {(x + width - 1) % width, x, (x + 1) % width};
-      constexpr double kTent[3] = {0.125, 0.75, 0.125};
-      double mean = 0.0;
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i)
-          mean += kTent[i] * kTent[j] * luminance(texel(columns[i], rows[j]));
+      const int x1 = (x + 1) % width;
+      const double mean = 0.25 * (double{luminance(texel(x, y0))} + luminance(texel(x1, y0)) +
+                                  luminance(texel(x, y1)) + luminance(texel(x1, y1)));
       weight[static_cast<std::size_t>(x)] = mean;
       total += mean;
-      sum += V3d(texel(x, y)) * solid_angle;
     }
     in_row_.emplace_back(weight);
-    row_weight[static_cast<std::size_t>(y)] = total * solid_angle;
+    const double top = std::max(row - 0.5, 0.0), bottom = std::min(row + 0.5, 1.0 * height);
+    row_weight.push_back(
+        total * (std::cos(kDoublePi * top / height) - std::cos(kDoublePi * bottom / height)));
   }
   rows_.emplace(row_weight);
+
+  V3d sum(0.0);
+  for (int y = 0; y < height; ++y) {
+    const double solid_angle =
+        std::cos(kDoublePi * y / height) - std::cos(kDoublePi * (y + 1) / height);
+    for (int x = 0; x < width; ++x) sum += V3d(texel(x, y)) * solid_angle;
+  }
   mean_ = V3f(sum / (2.0 * width));
 }
 
-V2f Environment::image_position(const V3f& wi) const {
+Environment::Patch Environment::patch(const V3f& wi) const {
+  const int width = image_.width, height = image_.height;
   const float x = cosine_ * wi.x - sine_ * wi.z;
   const float z = sine_ * wi.x + cosine_ * wi.z;
   const float longitude = std::atan2(x, -z);  // (-pi, pi], 0 along -z
-  const float colatitude = std::acos(std::clamp(wi.y, -1.0f, 1.0f));
-  return {(0.5f + longitude * (0.5f * kInvPi)) * static_cast<float>(image_.width),
-          colatitude * kInvPi * static_cast<float>(image_.height)};
+  const float sine = std::sqrt(x * x + z * z);
+  const float colatitude = std::atan2(sine, wi.y);  // acos would lose digits near the poles
+  // Texels' centres are at integers of these.
+  const float s = (0.5f + longitude * (0.5f * kInvPi)) * static_cast<float>(width) - 0.5f;
+  const float t = colatitude * kInvPi * static_cast<float>(height) - 0.5f;
+  const float floor_s = std::floor(s), floor_t = std::floor(t);
+
+  Patch p;
+  p.x0 = (static_cast<int>(floor_s) + width) % width;
+  p.x1 = (p.x0 + 1) % width;
+  const int row = std::clamp(static_cast<int>(floor_t) + 1, 0, height);
+  p.y0 = std::max(row - 1, 0);
+  p.y1 = std::min(row, height - 1);
+  p.position = V2f(s - floor_s, t - floor_t);
+  p.sine = sine;
+  p.row = static_cast<std::size_t>(row);
+  p.column = static_cast<std::size_t>(p.x0);
+  return p;
 }
 
-V3f Environment::interpolate(const V2f& position) const {
-  const float x = position.x - 0.5f, y = position.y - 0.5f;  // texels' centres are at integers
-  const float fx = std::floor(x), fy = std::floor(y);
-  const float tx = x - fx, ty = y - fy;
-  const int width = image_.width, height = image_.height;
-  const int x0 = (static_cast<int>(fx) + width) % width, x1 = (x0 + 1) % width;
-  const int y0 = std::clamp(static_cast<int>(fy), 0, height - 1);
-  const int y1 = std::clamp(static_cast<int>(fy) + 1, 0, height - 1);
-  const V3f upper = texel(x0, y0) * (1.0f - tx) + texel(x1, y0) * tx;
-  const V3f lower = texel(x0, y1) * (1.0f - tx) + texel(x1, y1) * tx;
-  return upper * (1.0f - ty) + lower * ty;
+V3f Environment::interpolate(const Patch& p) const {
+  const auto [x, y] = std::pair(p.position.x, p.position.y);
+  const V3f upper = texel(p.x0, p.y0) * (1.0f - x) + texel(p.x1, p.y0) * x;
+  const V3f lower = texel(p.x0, p.y1) * (1.0f - x) + texel(p.x1, p.y1) * x;
+  return upper * (1.0f - y) + lower * y;
 }
 
-V3f Environment::radiance(const V3f& wi) const { return interpolate(image_position(wi)); }
+float Environment::density(const Patch& p, float probability) const {
+  const float mean = 0.25f * (luminance(texel(p.x0, p.y0)) + luminance(texel(p.x1, p.y0)) +
+                              luminance(texel(p.x0, p.y1)) + luminance(texel(p.x1, p.y1)));
+  if (!(mean > 0.0f) || !(p.sine > 0.0f)) return 0.0f;
+  const bool pole = p.row == 0 || p.row == static_cast<std::size_t>(image_.height);
+  const float height = pole ? 0.5f : 1.0f;
+  const float patches = static_cast<float>(image_.width) * static_cast<float>(image_.height);
+  return probability * luminance(interpolate(p)) / (mean * height) * patches /
+         (2.0f * kPi * kPi * p.sine);
+}
+
+V3f Environment::radiance(const V3f& wi) const { return interpolate(patch(wi)); }
 
 float Environment::pdf(const V3f& wi) const {
-  const V2f p = image_position(wi);
-  const int x = std::min(static_cast<int>(p.x), image_.width - 1);
-  const int y = std::min(static_cast<int>(p.y), image_.height - 1);
-  const auto row = static_cast<std::size_t>(y);
-  const auto solid_angle = static_cast<float>((row_z_[row] - row_z_[row + 1]) * 2.0 * kPi);
-  return rows_->probability(row) * in_row_[row].probability(static_cast<std::size_t>(x)) *
-         static_cast<float>(image_.width) / solid_angle;
+  if (constant()) return 0.25f * kInvPi;
+  const Patch p = patch(wi);
+  return density(p, rows_->probability(p.row) * in_row_[p.row].probability(p.column));
 }
 
 LightSample Environment::sample(const V2f& u) const {
+  if (constant()) {
+    const float y = 1.0f - 2.0f * u.y, longitude = 2.0f * kPi * u.x;
+    const float sine = std::sqrt(std::max(0.0f, 1.0f - y * y));
+    return {.wi = V3f(sine * std::cos(longitude), y, sine * std::sin(longitude)),
+            .radiance = texel(0, 0),
+            .pdf = 0.25f * kInvPi,
+            .distance = std::numeric_limits<float>::infinity()};
+  }
+  const int width = image_.width, height = image_.height;
   const auto row = rows_->sample(u.y);
   const auto column = in_row_[row.index].sample(u.x);
-  const double top = row_z_[row.index], bottom = row_z_[row.index + 1];
-  const auto y = static_cast<float>(top + (bottom - top) * row.offset);
-  const float s =
-      (static_cast<float>(column.index) + column.offset) / static_cast<float>(image_.width);
-  const float longitude = 2.0f * kPi * (s - 0.5f);
-  const float radius = std::sqrt(std::max(0.0f, 1.0f - y * y));
-  const float x = radius * std::sin(longitude), z = -radius * std::cos(longitude);
+  Patch p;
+  p.row = row.index;
+  p.column = column.index;
+  p.x0 = static_cast<int>(column.index);
+  p.x1 = (p.x0 + 1) % width;
+  p.y0 = std::max(static_cast<int>(row.index) - 1, 0);
+  p.y1 = std::min(static_cast<int>(row.index), height - 1);
+  const float a = luminance(texel(p.x0, p.y0)), b = luminance(texel(p.x1, p.y0));
+  const float c = luminance(texel(p.x0, p.y1)), d = luminance(texel(p.x1, p.y1));
+  // At a pole the patch is half as high, and the light does not change along it.
+  float y = sample_linear(row.offset, a + b, c + d);
+  if (row.index == 0) y = 0.5f + 0.5f * y;
+  if (row.index == static_cast<std::size_t>(height)) y *= 0.5f;
+  const float x = sample_linear(column.offset, a + (c - a) * y, b + (d - b) * y);
+  p.position = V2f(x, y);
+
+  const float longitude =
+      2.0f * kPi * ((static_cast<float>(p.x0) + 0.5f + x) / static_cast<float>(width) - 0.5f);
+  const float colatitude =
+      kPi * (static_cast<float>(row.index) - 0.5f + y) / static_cast<float>(height);
+  p.sine = std::max(0.0f, std::sin(colatitude));
+  const float east = p.sine * std::sin(longitude), south = -p.sine * std::cos(longitude);
 
   LightSample sample;
-  sample.wi = V3f(cosine_ * x + sine_ * z, y, cosine_ * z - sine_ * x);
-  sample.radiance = radiance(sample.wi);
-  sample.pdf = row.probability * column.probability * static_cast<float>(image_.width) /
-               static_cast<float>((top - bottom) * 2.0 * kPi);
+  sample.wi =
+      V3f(cosine_ * east + sine_ * south, std::cos(colatitude), cosine_ * south - sine_ * east);
+  sample.radiance = interpolate(p);
+  sample.pdf = density(p, row.probability * column.probability);
   sample.distance = std::numeric_limits<float>::infinity();
   return sample;
 }

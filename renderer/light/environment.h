@@ -31,9 +31,10 @@ struct LightSample {
 // its top row towards +y; a rotation of r degrees turns it about +y by the right-hand rule (seen
 // from above: counter-clockwise).
 //
-// Radiance is interpolated bilinearly. Directions are sampled texel by texel with the mean of the
-// interpolated luminance over the texel times its solid angle, uniformly within, so wherever there
-// is light it is sampled and the ratio of the two stays bounded.
+// Radiance is interpolated bilinearly, and sampled by exactly that: a patch between four texels'
+// centres is chosen by its mean luminance times its solid angle, then a point in it with density
+// proportional to the interpolated luminance. So wherever there is light it is sampled, and no
+// sample is brighter than about twice the mean.
 class Environment {
  public:
   Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees);
@@ -45,17 +46,30 @@ class Environment {
   const V3f& mean_radiance() const { return mean_; }
 
  private:
-  V2f image_position(const V3f& wi) const;  // in texels, x in [0, width], y in [0, height]
-  V3f interpolate(const V2f& position) const;
+  // The patch that a direction falls into and where in it.
+  struct Patch {
+    int x0, x1;    // columns of texels, wrapped around
+    int y0, y1;    // rows, equal at the poles
+    V2f position;  // between them, [0, 1]^2
+    float sine;    // of the angle to the +y axis
+    // Index of the patch: column x0 and row 0 .. height, the first and the last being the halves
+    // between a pole and the nearest texels' centres.
+    std::size_t row, column;
+  };
+  // One texel: the same everywhere, sampled uniformly.
+  bool constant() const { return image_.texels.size() == 1; }
+  Patch patch(const V3f& wi) const;
+  V3f interpolate(const Patch& patch) const;
+  // Density in the patch's unit square times the number of patches over the solid angle of all.
+  float density(const Patch& patch, float probability) const;
   const V3f& texel(int x, int y) const {
     return image_.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
                          static_cast<std::size_t>(x)];
   }
 
-  EnvironmentImage image_;     // already scaled
-  float sine_, cosine_;        // of the rotation
-  std::vector<double> row_z_;  // cosine of the angle to +y at the rows' upper edges; height + 1
-  std::vector<Distribution1D> in_row_;
+  EnvironmentImage image_;              // already scaled
+  float sine_, cosine_;                 // of the rotation
+  std::vector<Distribution1D> in_row_;  // height + 1
   std::optional<Distribution1D> rows_;
   V3f mean_;
 };

@@ -165,7 +165,8 @@ TEST(Reciprocity, DiffuseConductorAndGlass) {
     const float there = glass.evaluate(a, below).value.x / -below.z;
     const float back =
         from_inside.evaluate(V3f(b.x, b.y, -below.z), V3f(a.x, a.y, -a.z)).value.x / a.z;
-    EXPECT_NEAR(back, there * 1.5f * 1.5f, 2e-3f * back);
+    // Next to total reflection 1 - F has lost its digits.
+    EXPECT_NEAR(back, there * 1.5f * 1.5f, 2e-3f * back + 1e-5f);
     checked += there > 0.0f;
   }
   EXPECT_GT(checked, 1000);
@@ -223,7 +224,7 @@ TEST(Bsdf, WildShadingNormalsNeitherLeakNorGoBlack) {
           EXPECT_GT(s->wi.z * wo.z, 0.0f);
           EXPECT_TRUE(is_finite(s->weight));
           if (!s->delta) {
-            EXPECT_LE(s->weight.x, 1.6f);  // compensated metal: up to 1 / E
+            EXPECT_LE(s->weight.x, 2.0f);  // compensated metal: up to 1 / E
           }
           ++reflected;
         }

@@ -60,9 +60,9 @@ TEST_F(Images, ExrHasEveryLayerAndTheWindows) {
   EXPECT_EQ(spec.full_height, 30);
   EXPECT_EQ(spec.get_string_attribute("morsel:seed"), "4000000000");
   EXPECT_EQ(spec.get_int_attribute("morsel:spp"), 4);
-  EXPECT_EQ(spec.get_string_attribute("Software").rfind("Morsel ", 0), 0u);
-  EXPECT_NE(spec.find_attribute("worldtocamera"), nullptr);
-  EXPECT_NE(spec.find_attribute("worldtoscreen"), nullptr);
+  EXPECT_EQ(std::string(spec.get_string_attribute("software")).rfind("Morsel ", 0), 0u);
+  EXPECT_NE(spec.find_attribute("worldToCamera"), nullptr);
+  EXPECT_NE(spec.find_attribute("worldToNDC"), nullptr);
 
   std::vector<float> data(static_cast<std::size_t>(20 * 23 * spec.nchannels));
   ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.data()));

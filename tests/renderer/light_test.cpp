@@ -41,7 +41,7 @@ TEST_P(RotatedEnvironment, SamplesHaveTheirDensity) {
   const Environment environment(sun_image(), V3f(1.0f), GetParam());
   const auto result = testing::chi_squared(
       [&](Random& random) { return std::optional(environment.sample(random.pair()).wi); },
-      [&](const V3f& wi) { return environment.pdf(wi); });
+      [&](const V3f& wi) { return environment.pdf(wi); }, 100000, 40);
   EXPECT_GT(result.p_value, 1e-4);
   EXPECT_NEAR(result.pdf_integral, 1.0, 5e-3);
 }
@@ -64,8 +64,8 @@ TEST_P(RotatedEnvironment, EstimatesTheIntegralOfItsRadiance) {
   const double exact =
       sphere_integral([&](const V3f& w) { return luminance(environment.radiance(w)); });
   EXPECT_NEAR(mean, exact, 4.0 * error + 0.005 * exact);
-  // Interpolated light over the mean around it: no texel can be a firefly.
-  EXPECT_LT(largest, 6.0 * exact);
+  // The density follows the light: no direction is a firefly.
+  EXPECT_LT(largest, 2.5 * exact);
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, RotatedEnvironment, ::testing::Values(0.0f, 37.0f, -170.0f));
@@ -176,7 +176,7 @@ TEST_P(SampledRectangle, SamplesHaveTheirDensity) {
         const auto t = hit(wi);
         return t ? light.pdf(p, wi, *t) : 0.0f;
       },
-      100000, 64);
+      20000, 100);  // the light's edges cut through cells: few samples, fine quadrature
   EXPECT_GT(result.p_value, 1e-4);
   EXPECT_NEAR(result.pdf_integral, 1.0, 0.02);
 }

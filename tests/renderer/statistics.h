@@ -31,14 +31,15 @@ class Random {
   std::mt19937 engine_;
 };
 
-// The sphere in cells of equal solid angle: rows in z, columns in azimuth.
+// The sphere in cells of equal solid angle: rows in x, columns in azimuth about the x axis. (Lobes
+// tend to lie about the z axis, and the grid is coarse at its own poles.)
 struct SphereGrid {
   int rows = 32, columns = 64;
 
   int size() const { return rows * columns; }
   int cell(const V3f& w) const {
-    const int row = std::min(rows - 1, static_cast<int>((w.z + 1.0f) * 0.5f * rows));
-    const float turn = std::atan2(w.y, w.x) / (2.0f * kPi) + 0.5f;
+    const int row = std::min(rows - 1, static_cast<int>((w.x + 1.0f) * 0.5f * rows));
+    const float turn = std::atan2(w.z, w.y) / (2.0f * kPi) + 0.5f;
     const int column = std::min(columns - 1, static_cast<int>(turn * columns));
     return row * columns + column;
   }
@@ -47,10 +48,10 @@ struct SphereGrid {
     std::vector<double> out(static_cast<std::size_t>(size()));
     const double weight = 4.0 * kPi / (static_cast<double>(size()) * fine * fine);
     for (int r = 0; r < rows * fine; ++r) {
-      const double z = -1.0 + 2.0 * (r + 0.5) / (rows * fine), s = std::sqrt(1.0 - z * z);
+      const double x = -1.0 + 2.0 * (r + 0.5) / (rows * fine), s = std::sqrt(1.0 - x * x);
       for (int c = 0; c < columns * fine; ++c) {
         const double phi = 2.0 * kPi * ((c + 0.5) / (columns * fine) - 0.5);
-        const V3f w(V3d(s * std::cos(phi), s * std::sin(phi), z));
+        const V3f w(V3d(x, s * std::cos(phi), s * std::sin(phi)));
         out[static_cast<std::size_t>((r / fine) * columns + c / fine)] += weight * f(w);
       }
     }

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "hypertexture_geom/embree/geometry.h"
+#include "renderer/scene/load_scene.h"
+#include "scene_files.h"
+#include "tests/temporary_folder.h"
+
+namespace morsel::render {
+namespace {
+
+using nlohmann::json;
+using test::TemporaryFolder;
+
+class SceneLoaderTest : public ::testing::Test {
+ protected:
+  SceneLoaderTest() { folder_.write("triangle.obj", test::kTriangleObj); }
+
+  std::filesystem::path small_scene() { return folder_.write("scene.json", test::kSmallScene); }
+
+  LoadedScene load(const std::vector<std::string>& set = {}) {
+    return load_scene(small_scene(), parse(set), options());
+  }
+
+  static std::vector<Override> parse(const std::vector<std::string>& set) {
+    std::vector<Override> overrides;
+    for (const std::string& text : set) overrides.push_back(parse_override(text));
+    return overrides;
+  }
+
+  LoadOptions options() {
+    LoadOptions options;
+    options.warn = [this](const std::string& message) { warnings_.push_back(message); };
+    return options;
+  }
+
+  TemporaryFolder folder_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(SceneLoaderTest, ReadsOneOfEverything) {
+  const LoadedScene loaded = load();
+  const Scene& scene = loaded.scene;
+  EXPECT_EQ(scene.settings.width, 64);
+  EXPECT_EQ(scene.settings.height, 48);
+  EXPECT_EQ(scene.settings.spp, 2);
+  EXPECT_EQ(scene.settings.max_depth, 3);
+  EXPECT_EQ(scene.settings.seed, 7u);
+  EXPECT_FLOAT_EQ(scene.settings.exposure, 0.5f);
+  EXPECT_EQ(scene.camera.position, Imath::V3f(0, 1, 6));
+  EXPECT_FLOAT_EQ(scene.camera.vertical_fov, 30);
+
+  ASSERT_EQ(scene.materials.size(), 3u);
+  EXPECT_EQ(scene.materials[0].type, MaterialType::kDiffuse);
+  ASSERT_TRUE(scene.materials[0].checker_color);
+  EXPECT_EQ(*scene.materials[0].checker_color, Imath::V3f(0.1f));
+  EXPECT_EQ(scene.materials[1].type, MaterialType::kConductor);
+  EXPECT_FLOAT_EQ(scene.materials[1].roughness, 0.1f);
+  EXPECT_EQ(scene.materials[2].type, MaterialType::kDielectric);
+  EXPECT_FLOAT_EQ(scene.materials[2].ior, 1.33f);
+
+  ASSERT_EQ(scene.geometries.size(), 4u);
+  ASSERT_EQ(scene.instances.size(), 4u);
+  EXPECT_EQ(scene.instances[0].name, "rock");
+  ASSERT_TRUE(scene.instances[0].detached_material);
+  EXPECT_EQ(*scene.instances[0].detached_material, 2u);
+  EXPECT_EQ(scene.instances[1].name, "ground");
+  EXPECT_FALSE(scene.instances[1].detached_material);
+  EXPECT_EQ(scene.instances[2].material, 1u);
+
+  ASSERT_TRUE(scene.environment);
+  EXPECT_EQ(scene.environment->radiance, Imath::V3f(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(scene.environment->rotation, 30);
+  ASSERT_EQ(scene.rectangles.size(), 1u);
+  EXPECT_EQ(scene.rectangles[0].edge_v, Imath::V3f(0, 0, 2));
+  EXPECT_EQ(scene.rectangles[0].radiance, Imath::V3f(5));
+  EXPECT_FALSE(scene.rectangles[0].visible_to_camera);
+  EXPECT_TRUE(warnings_.empty()) << warnings_[0];
+}
+
+TEST_F(SceneLoaderTest, MeshesAndPrimitivesAreTriangles) {
+  const LoadedScene loaded = load();
+  const auto& floor = std::get<TriangleMesh>(loaded.scene.geometries[1].shape);
+  EXPECT_EQ(floor.triangles.size(), 2u);
+  EXPECT_EQ(floor.positions[1], Imath::V3f(2, 0, 3));
+  const auto& triangle = std::get<TriangleMesh>(loaded.scene.geometries[2].shape);
+  EXPECT_EQ(triangle.triangles.size(), 1u);
+  EXPECT_EQ(triangle.normals.size(), 3u);  // smooth by default
+  const auto& ball = std::get<TriangleMesh>(loaded.scene.geometries[3].shape);
+  for (const Imath::V3f& p : ball.positions) EXPECT_NEAR(p.length(), 0.5f, 1e-6f);
+}
+
+TEST_F(SceneLoaderTest, FacetsStayWhenSmoothIsOff) {
+  const LoadedScene loaded = load({"geometries.triangle.smooth=false"});
+  EXPECT_TRUE(std::get<TriangleMesh>(loaded.scene.geometries[2].shape).normals.empty());
+}
+
+TEST_F(SceneLoaderTest, HypertextureGetsItsCacheWrittenAndReadAgain) {
+  const LoadedScene first = load();
+  ASSERT_EQ(first.hypertextures.size(), 1u);
+  EXPECT_TRUE(first.hypertextures[0].built);
+  EXPECT_EQ(first.hypertextures[0].components, 1u);
+  EXPECT_EQ(first.hypertextures[0].kept, 1u);
+  EXPECT_TRUE(first.hypertextures[0].certified);
+  EXPECT_TRUE(std::filesystem::exists(first.hypertextures[0].cache_file));
+  EXPECT_EQ(first.hypertextures[0].cache_file.parent_path(), folder_ / "scene.cache");
+  const LoadedScene second = load();
+  EXPECT_FALSE(second.hypertextures[0].built);
+  EXPECT_EQ(second.hypertextures[0].bricks, first.hypertextures[0].bricks);
+}
+
+TEST_F(SceneLoaderTest, UnusedGeometryIsNotBuiltAndTheRestIsRenumbered) {
+  const LoadedScene loaded = load({R"(instances=[{"geometry": "ball", "material": "glass"}])"});
+  ASSERT_EQ(loaded.scene.geometries.size(), 1u);
+  EXPECT_EQ(loaded.scene.geometries[0].name, "ball");
+  EXPECT_EQ(loaded.scene.instances[0].geometry, 0u);
+  EXPECT_TRUE(loaded.hypertextures.empty());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));
+  EXPECT_EQ(warnings_.size(), 3u);
+}
+
+TEST_F(SceneLoaderTest, NothingKeptIsWarnedOf) {
+  load({"geometries.rock.keep=detached"});
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("detached"), std::string::npos) << warnings_[0];
+}
+
+TEST_F(SceneLoaderTest, CancelStopsTheBuildAndLeavesNothing) {
+  std::atomic<bool> cancel{true};
+  LoadOptions load_options = options();
+  load_options.execution.cancel = &cancel;
+  EXPECT_THROW(load_scene(small_scene(), {}, load_options), topology::Cancelled);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));
+}
+
+// One wrong thing in an otherwise right scene: what --set writes, and what the message must hold.
+struct BadInput {
+  const char* name;
+  std::string set;
+  std::vector<std::string> message;
+};
+void PrintTo(const BadInput& input, std::ostream* out) { *out << input.name; }
+
+class BadSceneTest : public SceneLoaderTest, public ::testing::WithParamInterface<BadInput> {};
+
+TEST_P(BadSceneTest, NamesFilePlaceAndChoices) {
+  std::string what;
+  try {
+    load({GetParam().set});
+  } catch (const params::InputError& e) {
+    what = e.what();
+  }
+  ASSERT_FALSE(what.empty()) << "accepted";
+  std::vector<std::string> parts = GetParam().message;
+  parts.push_back((folder_ / "scene.json").string());
+  for (const std::string& part : parts)
+    EXPECT_NE(what.find(part), std::string::npos) << "\"" << part << "\" in " << what;
+  // scene check says the same, and nothing else.
+  const std::vector<std::string> problems =
+      check_scene(small_scene(), parse({GetParam().set}), options());
+  ASSERT_EQ(problems.size(), 1u) << (problems.size() > 1 ? problems[1] : "");
+  EXPECT_EQ(problems[0], what);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache")) << "a cache was built first";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , BadSceneTest,
+    ::testing::Values(
+        BadInput{"Version", "morsel=2", {": /morsel: ", "2 is out of range"}},
+        BadInput{"UnknownSection", "light=[]", {": /light: ", "did you mean \"lights\""}},
+        BadInput{"SectionType", "materials={}", {": /materials: ", "must be an array"}},
+        BadInput{"UnknownKey", "camera.fov=40", {": /camera/fov: ", "unknown key", "vertical_fov"}},
+        BadInput{"WrongType", "render.spp=many", {": /render/spp: ", "must be an integer", "\"many\""}},
+        BadInput{"NotANumber", "camera.position=[nan, 0, 0]", {": /camera/position: ", "[nan, 0, 0]"}},
+        BadInput{"ZeroResolution", "render.resolution=[0, 48]", {": /render/resolution/0: ", "out of range"}},
+        BadInput{"FractionalResolution", "render.resolution=[64.5, 48]", {": /render/resolution: ", "integers"}},
+        BadInput{"ZeroSamples", "render.spp=0", {": /render/spp: ", "out of range"}},
+        BadInput{"NegativeSeed", "render.seed=-1", {": /render/seed: ", "out of range"}},
+        BadInput{"FieldOfView", "camera.vertical_fov=180", {": /camera/vertical_fov: ", "179"}},
+        BadInput{"CameraLooksAtItself", "camera.look_at=[0, 1, 6]", {": /camera/look_at: ", "position"}},
+        BadInput{"CameraUp", "camera.up=[0, 1, 6]", {": /camera/up: ", "parallel"}},
+        BadInput{"UnknownCamera", "camera.type=fisheye", {": /camera/type: ", "perspective"}},
+        BadInput{"UnknownMaterialType", "materials.white.type=difuse",
+                 {": /materials/0/type: ", "did you mean \"diffuse\"", "conductor"}},
+        BadInput{"KeyOfAnotherMaterial", "materials.metal.ior=1.5", {": /materials/1/ior: ", "conductor"}},
+        BadInput{"AlbedoAboveOne", "materials.white.color=[2, 0, 0]", {": /materials/0/color/0: ", "between 0 and 1"}},
+        BadInput{"RoughnessRange", "materials.metal.roughness=2", {": /materials/1/roughness: ", "between 0 and 1"}},
+        BadInput{"RepeatedMaterial", "materials.2.name=white", {": /materials/2/name: ", "white"}},
+        BadInput{"UnknownMaterial", "instances.0.material=whit",
+                 {": /instances/0/material: ", "did you mean \"white\"", "white, metal, glass"}},
+        BadInput{"UnknownDetachedMaterial", "instances.0.detached_material=red",
+                 {": /instances/0/detached_material: ", "white, metal, glass"}},
+        BadInput{"DetachedMeshMaterial", "instances.1.detached_material=white",
+                 {": /instances/1/detached_material: ", "rectangle"}},
+        BadInput{"UnknownGeometry", "instances.0.geometry=rook",
+                 {": /instances/0/geometry: ", "did you mean \"rock\"", "rock, floor, triangle, ball"}},
+        BadInput{"FlatInstance", "instances.0.scale=[1, 0, 1]", {": /instances/0/scale: ", "flatten"}},
+        BadInput{"TransformAndScale", "instances.2.transform=[]", {": /instances/2/rotate: ", "transform"}},
+        BadInput{"TransformShape", "instances.0.transform=[1, 2]", {": /instances/0/transform: ", "4 rows"}},
+        BadInput{"TransformLastRow", "instances.0.transform=[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]",
+                 {": /instances/0/transform/3: ", "0 0 0 1"}},
+        BadInput{"UnknownGeometryType", "geometries.ball.type=cube",
+                 {": /geometries/3/type: ", "hypertexture, mesh, rectangle, sphere"}},
+        BadInput{"RepeatedGeometry", "geometries.3.name=rock", {": /geometries/3/name: ", "rock"}},
+        BadInput{"GeometryWithoutName", "geometries.3.name=", {": /geometries/3/name: ", "empty"}},
+        BadInput{"MeshMissing", "geometries.triangle.file=gone.obj",
+                 {": /geometries/2/file: ", "gone.obj", "no such file"}},
+        BadInput{"MeshFormat", "geometries.triangle.file=scene.json",
+                 {": /geometries/2/file: ", "scene.json", ".obj, .ply"}},
+        BadInput{"RectangleSize", "geometries.floor.size=[1, 0]", {": /geometries/1/size/1: ", "above 0"}},
+        BadInput{"UnknownKeep", "geometries.rock.keep=biggest", {": /geometries/0/keep: ", "largest"}},
+        BadInput{"UnknownDensity", "geometries.rock.field.density.type=sphare",
+                 {": /geometries/0/field/density/type: ", "did you mean \"sphere\""}},
+        BadInput{"TwoEnvironments", R"(lights.1={"type": "environment"})", {": /lights/1: ", "at most one"}},
+        BadInput{"UnknownLight", "lights.1.type=spot", {": /lights/1/type: ", "environment, rectangle"}},
+        BadInput{"EnvironmentMissing", "lights.0.file=sky.exr", {": /lights/0/file: ", "sky.exr"}},
+        BadInput{"NegativeRadiance", "lights.0.radiance=-1", {": /lights/0/radiance: ", "at least 0", "-1"}},
+        BadInput{"LightWithoutArea", "lights.1.edge_v=[2, 0, 0]", {": /lights/1/edge_v: ", "parallel"}},
+        BadInput{"SkewLight", "lights.1.edge_v=[1, 0, 1]", {": /lights/1/edge_v: ", "perpendicular"}},
+        BadInput{"LightTwice", "lights.1.position=[0, 0, 0]", {": /lights/1: ", "exclude"}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST_F(SceneLoaderTest, CheckFindsEveryProblem) {
+  const std::vector<std::string> problems = check_scene(
+      small_scene(),
+      parse({"render.spp=0", "materials.metal.ior=2", "instances.3.material=steel",
+             "geometries.triangle.file=gone.obj"}),
+      options());
+  ASSERT_EQ(problems.size(), 4u);
+  EXPECT_NE(problems[0].find("/render/spp"), std::string::npos);
+  EXPECT_NE(problems[1].find("/materials/1/ior"), std::string::npos);
+  EXPECT_NE(problems[2].find("/instances/3/material"), std::string::npos);
+  EXPECT_NE(problems[3].find("/geometries/2/file"), std::string::npos);
+}
+
+TEST_F(SceneLoaderTest, CheckAcceptsAndBuildsNothing) {
+  EXPECT_TRUE(check_scene(small_scene(), {}, options()).empty());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));
+}
+
+TEST_F(SceneLoaderTest, FilesThatAreNoScenesAreNamed) {
+  const auto error_of = [&](const std::filesystem::path& file) {
+    try {
+      load_scene(file, {}, options());
+    } catch (const params::InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(error_of(folder_ / "gone.json").find("gone.json"), std::string::npos);
+  EXPECT_NE(error_of(folder_.path()).find("directory"), std::string::npos);
+  EXPECT_NE(error_of(folder_.write("a.json", "{\n \"morsel\": 1,\n}")).find("line 3"),
+            std::string::npos);
+  EXPECT_NE(error_of(folder_.write("b.json", "[]")).find("b.json"), std::string::npos);
+  EXPECT_NE(error_of(folder_.write("c.json", "{}")).find("\"morsel\": 1"), std::string::npos);
+  EXPECT_NE(error_of(folder_.write("d.json", R"({"morsel": 1, "camera": {"vertical_fov": 1e999}})"))
+                .find("d.json"),
+            std::string::npos);
+}
+
+TEST_F(SceneLoaderTest, BrokenMeshIsNamed) {
+  folder_.write("triangle.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n");
+  const std::filesystem::path scene = small_scene();
+  try {
+    load_scene(scene, {}, options());
+    FAIL() << "accepted";
+  } catch (const params::InputError& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("/geometries/2/file"), std::string::npos) << what;
+    EXPECT_NE(what.find("triangle.obj"), std::string::npos) << what;
+  }
+}
+
+TEST_F(SceneLoaderTest, ImagesAreCheckedBeforeAnythingIsBuilt) {
+  folder_.write("sky.exr", "not an image");
+  LoadOptions load_options = options();
+  std::filesystem::path asked;
+  load_options.check_image = [&](const std::filesystem::path& file) {
+    asked = file;
+    throw std::runtime_error("no image");
+  };
+  EXPECT_THROW(load_scene(small_scene(), parse({"lights.0.file=sky.exr"}), load_options),
+               params::InputError);
+  EXPECT_EQ(asked, folder_ / "sky.exr");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));
+}
+
+TEST(ScenesOfTheRepository, AreValid) {
+  const std::filesystem::path scenes = std::filesystem::path(MORSEL_SOURCE_DIR) / "scenes";
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(scenes)) {
+    if (entry.path().extension() != ".json") continue;
+    ++count;
+    // Deriving boxes is the only slow part and says nothing about validity: give one.
+    std::vector<Override> overrides;
+    for (const GeometryEntry& geometry : list_geometries(SceneDocument(entry.path(), {})))
+      if (geometry.type == "hypertexture")
+        overrides.push_back({"geometries." + geometry.name + ".bounds",
+                             json::parse(R"({"min": [-4, -4, -4], "max": [4, 4, 4]})"), "test"});
+    for (const std::string& problem : check_scene(entry.path(), overrides)) ADD_FAILURE() << problem;
+  }
+  EXPECT_GE(count, 4);
+}
+
+}  // namespace
+}  // namespace morsel::render
