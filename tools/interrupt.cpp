@@ -2,6 +2,7 @@
 #include "tools/interrupt.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace morsel::tools {
 namespace {

@@ -361,17 +361,17 @@ TEST_F(GeometryTest, Instancing) {
 
 struct FilterLog {
   std::vector<float> t;
-  std::size_t accept_from;  // how many hits to reject first
-  static FilterLog* current;
+  std::size_t accept_from = 0;  // how many hits to reject first
+  static FilterLog current;
   static void run(const RTCFilterFunctionNArguments* a) {
     ASSERT_EQ(a->N, 1u);
-    current->t.push_back(RTCRayN_tfar(a->ray, 1, 0));
+    current.t.push_back(RTCRayN_tfar(a->ray, 1, 0));
     EXPECT_NE(RTCHitN_Ng_x(a->hit, 1, 0), 0.0f);
     EXPECT_NE(RTCHitN_primID(a->hit, 1, 0), RTC_INVALID_GEOMETRY_ID);
-    if (current->t.size() <= current->accept_from) a->valid[0] = 0;
+    if (current.t.size() <= current.accept_from) a->valid[0] = 0;
   }
 };
-FilterLog* FilterLog::current = nullptr;
+FilterLog FilterLog::current;
 
 TEST_F(GeometryTest, IntersectionFilter) {
   test::EmbreeScene scene;
@@ -384,8 +384,8 @@ TEST_F(GeometryTest, IntersectionFilter) {
   const Imath::V3f o(-3.0f, 0.011f, 0.023f), d(1.0f, 0.0f, 0.0f);
   const auto [t0, t1] = *ball_->crossings(Imath::V3d(o), Imath::V3d(d));
   const auto run = [&](std::size_t reject, bool occluded) {
-    FilterLog log{{}, reject};
-    FilterLog::current = &log;
+    FilterLog& log = FilterLog::current;
+    log = {{}, reject};
     if (occluded) return std::pair(scene.occluded(ray_of(o, d)) ? 0.0f : -1.0f, log.t);
     const RTCRayHit h = scene.intersect(ray_of(o, d));
     return std::pair(test::is_hit(h) ? h.ray.tfar : -1.0f, log.t);
