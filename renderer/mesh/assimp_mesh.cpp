@@ -10,9 +10,9 @@
 namespace morsel::render {
 namespace {
 
-// Validation runs first, so that the other steps and the code below meet only indices in range.
-constexpr unsigned int kSteps = aiProcess_ValidateDataStructure | aiProcess_Triangulate |
-                                aiProcess_JoinIdenticalVertices | aiProcess_SortByPType;
+// Validation comes first, so that the other steps and the code below meet only indices in range.
+constexpr unsigned int kReading = aiProcess_ValidateDataStructure | aiProcess_RemoveComponent;
+constexpr unsigned int kCleaning = aiProcess_JoinIdenticalVertices | aiProcess_SortByPType;
 
 // Leave out colours, tangents and materials: joining vertices would otherwise keep two vertices
 // apart that differ in nothing we read.
@@ -38,11 +38,28 @@ void append(const aiMesh& part, TriangleMesh& mesh, const std::filesystem::path&
   }
   for (unsigned int i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices != 3) continue;
     Imath::V3i triangle;
     for (int corner = 0; corner < 3; ++corner)
       triangle[corner] = static_cast<int>(first + face.mIndices[corner]);
     mesh.triangles.push_back(triangle);
   }
+}
+
+bool has_polygons(const aiScene& scene) {
+  for (unsigned int m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned int i = 0; i < scene.mMeshes[m]->mNumFaces; ++i)
+      if (scene.mMeshes[m]->mFaces[i].mNumIndices > 3) return true;
+  return false;
+}
+
+const aiScene* read_scene(Assimp::Importer& importer, const std::string& file) {
+  const aiScene* scene = importer.ReadFile(file, kReading);
+  if (scene == nullptr) return nullptr;
+  // Debian's assimp keeps its assertions, and one in the triangulation ends the process when there
+  // is nothing to triangulate but, say, a line.
+  const unsigned int triangulate = has_polygons(*scene) ? aiProcess_Triangulate : 0u;
+  return importer.ApplyPostProcessing(kCleaning | triangulate);
 }
 
 }  // namespace
@@ -54,7 +71,7 @@ TriangleMesh read_with_assimp(const std::filesystem::path& file) {
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = nullptr;
   try {
-    scene = importer.ReadFile(file.string(), kSteps | aiProcess_RemoveComponent);
+    scene = read_scene(importer, file.string());
   } catch (const std::exception& e) {  // e.g. bad_alloc for a header that claims 10^18 vertices
     throw MeshError(fmt::format("{}: {}", file.string(), e.what()));
   }
@@ -66,7 +83,7 @@ TriangleMesh read_with_assimp(const std::filesystem::path& file) {
   bool any_normals = false, any_uvs = false;
   for (unsigned int i = 0; i < scene->mNumMeshes; ++i) {
     const aiMesh& part = *scene->mMeshes[i];
-    if (part.mPrimitiveTypes != aiPrimitiveType_TRIANGLE) continue;
+    if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;
     append(part, mesh, file);
     any_normals = any_normals || part.HasNormals();
     any_uvs = any_uvs || part.HasTextureCoords(0);

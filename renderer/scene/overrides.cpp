@@ -72,21 +72,24 @@ Override parse_override(const std::string& text) {
 std::string apply_override(json& root, const Override& change, const params::Place& file) {
   json* value = &root;
   params::Place place = file;
+  std::string outermost;  // of what is made here
   for (const std::string& key : split(change.path)) {
     if (value->is_array()) {
       const std::size_t index = find_element(*value, key, change, place);
       value = &(*value)[index];
       place = place / index;
     } else if (value->is_object() || value->is_null()) {
+      const bool known = value->contains(key);
       value = &(*value)[key];
       place = place / std::string_view(key);
+      if (!known && outermost.empty()) outermost = place.path;
     } else {
       place.fail(
           fmt::format("is {}, so it has no \"{}\" to set ({})", value->dump(), key, change.source));
     }
   }
   *value = change.value;
-  return place.path;
+  return outermost.empty() ? place.path : outermost;
 }
 
 }  // namespace morsel::render

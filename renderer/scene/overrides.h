@@ -23,8 +23,9 @@ struct Override {
 Override parse_override(const std::string& text);
 
 // Sets the value in `root`, making objects that are missing on the way (whether their keys are
-// known is for the reader to say). Returns the JSON pointer of the value. Throws params::InputError
-// when the path leads into a number or string, or names an element that an array does not have.
+// known is for the reader to say). Returns the JSON pointer of the value, or of the outermost
+// object that was made for it. Throws params::InputError when the path leads into a number or
+// string, or names an element that an array does not have.
 std::string apply_override(nlohmann::json& root, const Override& change, const params::Place& file);
 
 }  // namespace morsel::render

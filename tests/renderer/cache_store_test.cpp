@@ -117,8 +117,8 @@ TEST_F(CacheStoreTest, EqualFieldsShareOneCache) {
     "bounds": {"min": [-1.25, -1.25, -1.25], "max": [1.25, 1.25, 1.25]}})"});
   CacheStore store(from);
   const StoredCache a = store.get(rock(from), execution_, {});
-  const StoredCache b = store.get(read_hypertexture(from, find_hypertexture(from, "twin")),
-                                  execution_, {});
+  const StoredCache b =
+      store.get(read_hypertexture(from, find_hypertexture(from, "twin")), execution_, {});
   EXPECT_EQ(a.cache, b.cache);
 }
 

@@ -81,6 +81,27 @@ TEST(Environment, LightHasDensityWhereverItShines) {
   }
 }
 
+TEST(Environment, HighlightsAloneHaveTheirDensityToo) {
+  const Environment all(sun_image(), V3f(1.0f), 12.0f);
+  const Environment highlights(sun_image(), V3f(1.0f), 12.0f, true);
+  const auto result = testing::chi_squared(
+      [&](Random& random) { return std::optional(highlights.sample(random.pair()).wi); },
+      [&](const V3f& wi) { return highlights.pdf(wi); }, 100000, 40);
+  EXPECT_GT(result.p_value, 1e-4);
+  EXPECT_NEAR(result.pdf_integral, 1.0, 5e-3);
+  EXPECT_LT(highlights.sampled_luminance(), all.sampled_luminance());
+  Random random;
+  int dark = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const V3f w = random.direction();
+    EXPECT_EQ(all.radiance(w), highlights.radiance(w));
+    dark += highlights.pdf(w) == 0.0f;
+  }
+  EXPECT_GT(dark, 500);
+  // An even sky leaves nothing to sample.
+  EXPECT_EQ(Environment(EnvironmentImage{}, V3f(3.0f), 0.0f, true).sampled_luminance(), 0.0f);
+}
+
 TEST(Environment, ConstantIsUniform) {
   const Environment environment(EnvironmentImage{}, V3f(2.0f), 0.0f);
   Random random;
@@ -90,7 +111,7 @@ TEST(Environment, ConstantIsUniform) {
     EXPECT_NEAR(environment.pdf(random.direction()), 0.25f * kInvPi, 1e-6f);
     EXPECT_EQ(s.radiance, V3f(2.0f));
   }
-  EXPECT_NEAR(environment.mean_radiance().x, 2.0f, 1e-5f);
+  EXPECT_NEAR(environment.sampled_luminance(), 2.0f, 1e-5f);
 }
 
 TEST(Environment, ConventionOfDirections) {
@@ -237,7 +258,7 @@ TEST(LightSet, SumsAllLights) {
   scene.rectangles.push_back(rectangle({3, -1, -1}, {0, 0, 2}, {0, 2, 0}));  // faces -x
   scene.rectangles.back().radiance = V3f(7.0f);
   scene.rectangles.push_back(rectangle({-3, -1, -1}, {0, 0, 2}, {0, 2, 0}));  // faces away
-  const LightSet lights(scene);
+  const LightSet lights(scene, true);
   const V3f p(0.2f, 0.1f, 0.3f);
   Random random;
   constexpr int kSamples = 100000;
@@ -266,7 +287,7 @@ TEST(LightSet, SumsAllLights) {
 }
 
 TEST(LightSet, WithoutLightsSamplesNothing) {
-  const LightSet lights{Scene{}};
+  const LightSet lights(Scene{}, true);
   EXPECT_TRUE(lights.empty());
   EXPECT_EQ(lights.sample(V3f(0.0f), 0.5f, V2f(0.5f)).pdf, 0.0f);
 }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/scene/load_scene.h"
+#include "renderer/scene/scene_json.h"
 #include "scene_files.h"
 #include "tests/temporary_folder.h"
 
@@ -170,62 +173,104 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"UnknownSection", "light=[]", {": /light: ", "did you mean \"lights\""}},
         BadInput{"SectionType", "materials={}", {": /materials: ", "must be an array"}},
         BadInput{"UnknownKey", "camera.fov=40", {": /camera/fov: ", "unknown key", "vertical_fov"}},
-        BadInput{"WrongType", "render.spp=many", {": /render/spp: ", "must be an integer", "\"many\""}},
-        BadInput{"NotANumber", "camera.position=[nan, 0, 0]", {": /camera/position: ", "[nan, 0, 0]"}},
-        BadInput{"ZeroResolution", "render.resolution=[0, 48]", {": /render/resolution/0: ", "out of range"}},
-        BadInput{"FractionalResolution", "render.resolution=[64.5, 48]", {": /render/resolution: ", "integers"}},
+        BadInput{
+            "WrongType", "render.spp=many", {": /render/spp: ", "must be an integer", "\"many\""}},
+        BadInput{
+            "NotANumber", "camera.position=[nan, 0, 0]", {": /camera/position: ", "[nan, 0, 0]"}},
+        BadInput{"ZeroResolution",
+                 "render.resolution=[0, 48]",
+                 {": /render/resolution/0: ", "out of range"}},
+        BadInput{"FractionalResolution",
+                 "render.resolution=[64.5, 48]",
+                 {": /render/resolution: ", "integers"}},
         BadInput{"ZeroSamples", "render.spp=0", {": /render/spp: ", "out of range"}},
         BadInput{"NegativeSeed", "render.seed=-1", {": /render/seed: ", "out of range"}},
         BadInput{"FieldOfView", "camera.vertical_fov=180", {": /camera/vertical_fov: ", "179"}},
-        BadInput{"CameraLooksAtItself", "camera.look_at=[0, 1, 6]", {": /camera/look_at: ", "position"}},
+        BadInput{
+            "CameraLooksAtItself", "camera.look_at=[0, 1, 6]", {": /camera/look_at: ", "position"}},
         BadInput{"CameraUp", "camera.up=[0, 1, 6]", {": /camera/up: ", "parallel"}},
         BadInput{"UnknownCamera", "camera.type=fisheye", {": /camera/type: ", "perspective"}},
-        BadInput{"UnknownMaterialType", "materials.white.type=difuse",
+        BadInput{"UnknownMaterialType",
+                 "materials.white.type=difuse",
                  {": /materials/0/type: ", "did you mean \"diffuse\"", "conductor"}},
-        BadInput{"KeyOfAnotherMaterial", "materials.metal.ior=1.5", {": /materials/1/ior: ", "conductor"}},
-        BadInput{"AlbedoAboveOne", "materials.white.color=[2, 0, 0]", {": /materials/0/color/0: ", "between 0 and 1"}},
-        BadInput{"RoughnessRange", "materials.metal.roughness=2", {": /materials/1/roughness: ", "between 0 and 1"}},
-        BadInput{"RepeatedMaterial", "materials.2.name=white", {": /materials/2/name: ", "white"}},
-        BadInput{"UnknownMaterial", "instances.0.material=whit",
+        BadInput{"KeyOfAnotherMaterial",
+                 "materials.metal.ior=1.5",
+                 {": /materials/1/ior: ", "conductor"}},
+        BadInput{"AlbedoAboveOne",
+                 "materials.white.color=[2, 0, 0]",
+                 {": /materials/0/color/0: ", "between 0 and 1"}},
+        BadInput{"RoughnessRange",
+                 "materials.metal.roughness=2",
+                 {": /materials/1/roughness: ", "between 0 and 1"}},
+        BadInput{
+            "RepeatedMaterial",
+            R"(materials=[{"name": "white", "type": "diffuse"}, {"name": "metal", "type": "conductor"}, {"name": "glass", "type": "dielectric"}, {"name": "white", "type": "diffuse"}])",
+            {": /materials/3/name: ", "white"}},
+        BadInput{"UnknownMaterial",
+                 "instances.0.material=whit",
                  {": /instances/0/material: ", "did you mean \"white\"", "white, metal, glass"}},
-        BadInput{"UnknownDetachedMaterial", "instances.0.detached_material=red",
+        BadInput{"UnknownDetachedMaterial",
+                 "instances.0.detached_material=red",
                  {": /instances/0/detached_material: ", "white, metal, glass"}},
-        BadInput{"DetachedMeshMaterial", "instances.1.detached_material=white",
+        BadInput{"DetachedMeshMaterial",
+                 "instances.1.detached_material=white",
                  {": /instances/1/detached_material: ", "rectangle"}},
-        BadInput{"UnknownGeometry", "instances.0.geometry=rook",
-                 {": /instances/0/geometry: ", "did you mean \"rock\"", "rock, floor, triangle, ball"}},
-        BadInput{"FlatInstance", "instances.0.scale=[1, 0, 1]", {": /instances/0/scale: ", "flatten"}},
-        BadInput{"TransformAndScale", "instances.2.transform=[]", {": /instances/2/rotate: ", "transform"}},
-        BadInput{"TransformShape", "instances.0.transform=[1, 2]", {": /instances/0/transform: ", "4 rows"}},
-        BadInput{"TransformLastRow", "instances.0.transform=[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]",
+        BadInput{
+            "UnknownGeometry",
+            "instances.0.geometry=rook",
+            {": /instances/0/geometry: ", "did you mean \"rock\"", "rock, floor, triangle, ball"}},
+        BadInput{
+            "FlatInstance", "instances.0.scale=[1, 0, 1]", {": /instances/0/scale: ", "flatten"}},
+        BadInput{"TransformAndScale",
+                 "instances.2.transform=[]",
+                 {": /instances/2/rotate: ", "transform"}},
+        BadInput{"TransformShape",
+                 "instances.0.transform=[1, 2]",
+                 {": /instances/0/transform: ", "4 rows"}},
+        BadInput{"TransformLastRow",
+                 "instances.0.transform=[[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]",
                  {": /instances/0/transform/3: ", "0 0 0 1"}},
-        BadInput{"UnknownGeometryType", "geometries.ball.type=cube",
+        BadInput{"UnknownGeometryType",
+                 "geometries.ball.type=cube",
                  {": /geometries/3/type: ", "hypertexture, mesh, rectangle, sphere"}},
         BadInput{"RepeatedGeometry", "geometries.3.name=rock", {": /geometries/3/name: ", "rock"}},
         BadInput{"GeometryWithoutName", "geometries.3.name=", {": /geometries/3/name: ", "empty"}},
-        BadInput{"MeshMissing", "geometries.triangle.file=gone.obj",
+        BadInput{"MeshMissing",
+                 "geometries.triangle.file=gone.obj",
                  {": /geometries/2/file: ", "gone.obj", "no such file"}},
-        BadInput{"MeshFormat", "geometries.triangle.file=scene.json",
+        BadInput{"MeshFormat",
+                 "geometries.triangle.file=scene.json",
                  {": /geometries/2/file: ", "scene.json", ".obj, .ply"}},
-        BadInput{"RectangleSize", "geometries.floor.size=[1, 0]", {": /geometries/1/size/1: ", "above 0"}},
-        BadInput{"UnknownKeep", "geometries.rock.keep=biggest", {": /geometries/0/keep: ", "largest"}},
-        BadInput{"UnknownDensity", "geometries.rock.field.density.type=sphare",
+        BadInput{"RectangleSize",
+                 "geometries.floor.size=[1, 0]",
+                 {": /geometries/1/size/1: ", "above 0"}},
+        BadInput{
+            "UnknownKeep", "geometries.rock.keep=biggest", {": /geometries/0/keep: ", "largest"}},
+        BadInput{"UnknownDensity",
+                 "geometries.rock.field.density.type=sphare",
                  {": /geometries/0/field/density/type: ", "did you mean \"sphere\""}},
-        BadInput{"TwoEnvironments", R"(lights.1={"type": "environment"})", {": /lights/1: ", "at most one"}},
-        BadInput{"UnknownLight", "lights.1.type=spot", {": /lights/1/type: ", "environment, rectangle"}},
+        BadInput{"TwoEnvironments",
+                 R"(lights.1={"type": "environment"})",
+                 {": /lights/1: ", "at most one"}},
+        BadInput{
+            "UnknownLight", "lights.1.type=spot", {": /lights/1/type: ", "environment, rectangle"}},
         BadInput{"EnvironmentMissing", "lights.0.file=sky.exr", {": /lights/0/file: ", "sky.exr"}},
-        BadInput{"NegativeRadiance", "lights.0.radiance=-1", {": /lights/0/radiance: ", "at least 0", "-1"}},
-        BadInput{"LightWithoutArea", "lights.1.edge_v=[2, 0, 0]", {": /lights/1/edge_v: ", "parallel"}},
-        BadInput{"SkewLight", "lights.1.edge_v=[1, 0, 1]", {": /lights/1/edge_v: ", "perpendicular"}},
+        BadInput{"NegativeRadiance",
+                 "lights.0.radiance=-1",
+                 {": /lights/0/radiance: ", "between 0", "-1"}},
+        BadInput{
+            "LightWithoutArea", "lights.1.edge_v=[2, 0, 0]", {": /lights/1/edge_v: ", "parallel"}},
+        BadInput{
+            "SkewLight", "lights.1.edge_v=[1, 0, 1]", {": /lights/1/edge_v: ", "perpendicular"}},
         BadInput{"LightTwice", "lights.1.position=[0, 0, 0]", {": /lights/1: ", "exclude"}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& bad) { return std::string(bad.param.name); });
 
 TEST_F(SceneLoaderTest, CheckFindsEveryProblem) {
-  const std::vector<std::string> problems = check_scene(
-      small_scene(),
-      parse({"render.spp=0", "materials.metal.ior=2", "instances.3.material=steel",
-             "geometries.triangle.file=gone.obj"}),
-      options());
+  const std::vector<std::string> problems =
+      check_scene(small_scene(),
+                  parse({"render.spp=0", "materials.metal.ior=2", "instances.3.material=steel",
+                         "geometries.triangle.file=gone.obj"}),
+                  options());
   ASSERT_EQ(problems.size(), 4u);
   EXPECT_NE(problems[0].find("/render/spp"), std::string::npos);
   EXPECT_NE(problems[1].find("/materials/1/ior"), std::string::npos);
@@ -297,7 +342,8 @@ TEST(ScenesOfTheRepository, AreValid) {
       if (geometry.type == "hypertexture")
         overrides.push_back({"geometries." + geometry.name + ".bounds",
                              json::parse(R"({"min": [-4, -4, -4], "max": [4, 4, 4]})"), "test"});
-    for (const std::string& problem : check_scene(entry.path(), overrides)) ADD_FAILURE() << problem;
+    for (const std::string& problem : check_scene(entry.path(), overrides))
+      ADD_FAILURE() << problem;
   }
   EXPECT_GE(count, 4);
 }
