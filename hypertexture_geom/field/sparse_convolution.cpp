@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hypertexture_geom/field/impulse_list.h"
 #include "hypertexture_geom/field/impulse_process.h"
 #include "hypertexture_geom/field/radial_model.h"
 #include "hypertexture_geom/field/truncated_cube.h"
@@ -15,14 +16,6 @@ using topology::Box;
 using topology::Interval;
 using topology::Jet;
 using topology::LocalModel;
-
-// An impulse in object space: weight * max(0, 1 - inverse_square * |x - centre|^2)^3. These doubles
-// *are* the field's definition; nothing is rounded behind them.
-struct Impulse {
-  Imath::V3d centre;
-  double inverse_square;
-  double weight;
-};
 
 // Squared distance from a point at `d` from the box's centre to the nearest and to the farthest
 // point of the box.
@@ -81,37 +74,31 @@ RadialTerm radial_term(const Impulse& impulse, const Imath::V3d& centre, const I
   return t;
 }
 
-struct Impulses {
-  std::vector<Impulse> list;
-
-  double value(const Imath::V3d& x) const {
-    double sum = 0.0;
-    for (const Impulse& p : list) {
-      const double q = 1.0 - p.inverse_square * (x - p.centre).length2();
-      if (q > 0.0) sum += p.weight * (q * q * q);
-    }
-    return sum;
+void add_jet(const ImpulseList& impulses, const Imath::V3d& x, Jet& jet) {
+  for (std::size_t n = 0; n < impulses.size(); ++n) {
+    const Impulse p = impulses[n];
+    const Imath::V3d d = x - p.centre;
+    const double q = 1.0 - p.inverse_square * d.length2();
+    if (q <= 0.0) continue;
+    // grad q = -2 s d, Hessian of q = -2 s I.
+    const double s2 = 2.0 * p.inverse_square;
+    const double first = 3.0 * p.weight * q * q, second = 6.0 * p.weight * q * s2 * s2;
+    jet.value += p.weight * (q * q * q);
+    jet.gradient -= d * (first * s2);
+    jet.hessian[0] += second * d.x * d.x - first * s2;
+    jet.hessian[1] += second * d.y * d.y - first * s2;
+    jet.hessian[2] += second * d.z * d.z - first * s2;
+    jet.hessian[3] += second * d.x * d.y;
+    jet.hessian[4] += second * d.x * d.z;
+    jet.hessian[5] += second * d.y * d.z;
   }
+}
 
-  void add_jet(const Imath::V3d& x, Jet& jet) const {
-    for (const Impulse& p : list) {
-      const Imath::V3d d = x - p.centre;
-      const double q = 1.0 - p.inverse_square * d.length2();
-      if (q <= 0.0) continue;
-      // grad q = -2 s d, Hessian of q = -2 s I.
-      const double s2 = 2.0 * p.inverse_square;
-      const double first = 3.0 * p.weight * q * q, second = 6.0 * p.weight * q * s2 * s2;
-      jet.value += p.weight * (q * q * q);
-      jet.gradient -= d * (first * s2);
-      jet.hessian[0] += second * d.x * d.x - first * s2;
-      jet.hessian[1] += second * d.y * d.y - first * s2;
-      jet.hessian[2] += second * d.z * d.z - first * s2;
-      jet.hessian[3] += second * d.x * d.y;
-      jet.hessian[4] += second * d.x * d.z;
-      jet.hessian[5] += second * d.y * d.z;
-    }
-  }
-};
+void add_terms(const ImpulseList& impulses, RadialSum& sum) {
+  for (std::size_t n = 0; n < impulses.size(); ++n)
+    if (const Impulse p = impulses[n]; reaches(p, sum.centre(), sum.half()))
+      sum.add(radial_term(p, sum.centre(), sum.half()));
+}
 
 // Bound on |n| of one octave with unit amplitude: the worst place sees every cell's impulses at the
 // cell's nearest point with weight 1. Worst over a grid of places with a margin for what lies
@@ -165,21 +152,20 @@ class SparseConvolution final : public Expression {
 
   Jet jet(const Imath::V3d& x) const override {
     Jet jet;
-    listed_.add_jet(x, jet);
-    if (unlisted_ != 0) near(x).add_jet(x, jet);
+    add_jet(listed_, x, jet);
+    if (unlisted_ != 0) add_jet(near(x), x, jet);
     return jet;
   }
 
   LocalModel model(const Box& box) const override {
     RadialSum sum(box);
-    for (const Impulse& p : listed_.list)
-      if (reaches(p, sum.centre(), sum.half())) sum.add(radial_term(p, sum.centre(), sum.half()));
+    add_terms(listed_, sum);
     for (std::size_t i = 0; i < octaves().size(); ++i) {
       if (((unlisted_ >> i) & 1) == 0) continue;
       if (small_enough(box, octaves()[i])) {
-        Impulses impulses;
+        ImpulseList impulses;
         list(static_cast<std::uint32_t>(i), box, impulses);
-        for (const Impulse& p : impulses.list) sum.add(radial_term(p, sum.centre(), sum.half()));
+        add_terms(impulses, sum);
       } else {
         constexpr double kUnknown = std::numeric_limits<double>::infinity();
         sum.add_constant(0.0, process_->bounds[i], kUnknown, kUnknown);
@@ -192,9 +178,9 @@ class SparseConvolution final : public Expression {
     std::unique_ptr<SparseConvolution> field(new SparseConvolution(process_));
     const RadialSum frame(box);
     field->unlisted_ = unlisted_;
-    field->listed_.list.reserve(listed_.list.size());
-    for (const Impulse& p : listed_.list)
-      if (reaches(p, frame.centre(), frame.half())) field->listed_.list.push_back(p);
+    for (std::size_t n = 0; n < listed_.size(); ++n)
+      if (const Impulse p = listed_[n]; reaches(p, frame.centre(), frame.half()))
+        field->listed_.push_back(p);
     for (std::size_t i = 0; i < octaves().size(); ++i) {
       if (((unlisted_ >> i) & 1) == 0 || !small_enough(box, octaves()[i])) continue;
       list(static_cast<std::uint32_t>(i), box, field->listed_);
@@ -234,7 +220,7 @@ class SparseConvolution final : public Expression {
   }
 
   // Adds the impulses of one octave that reach the box.
-  void list(std::uint32_t octave, const Box& box, Impulses& out) const {
+  void list(std::uint32_t octave, const Box& box, ImpulseList& out) const {
     const SparseConvolutionParameters& parameters = process_->parameters;
     const Octave& o = parameters.octaves[octave];
     const RadialSum frame(box);
@@ -258,19 +244,19 @@ class SparseConvolution final : public Expression {
                                   (static_cast<double>(j) + c.y) / o.frequency,
                                   (static_cast<double>(k) + c.z) / o.frequency);
             p.weight = scale * c.weight;
-            if (reaches(p, frame.centre(), frame.half())) out.list.push_back(p);
+            if (reaches(p, frame.centre(), frame.half())) out.push_back(p);
           }
   }
 
-  Impulses near(const Imath::V3d& x) const {
-    Impulses impulses;
+  ImpulseList near(const Imath::V3d& x) const {
+    ImpulseList impulses;
     for (std::size_t i = 0; i < octaves().size(); ++i)
       if ((unlisted_ >> i) & 1) list(static_cast<std::uint32_t>(i), Box(x, x), impulses);
     return impulses;
   }
 
   std::shared_ptr<const Process> process_;
-  Impulses listed_;
+  ImpulseList listed_;
   std::uint64_t unlisted_ = 0;  // octaves whose impulses are not in listed_: bit i
 };
 

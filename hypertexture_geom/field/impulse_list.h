@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace morsel::geom {
+
+// An impulse in object space: weight * max(0, 1 - inverse_square * |x - centre|^2)^3. These doubles
+// *are* the field's definition; nothing is rounded behind them.
+struct Impulse {
+  Imath::V3d centre;
+  double inverse_square = 0.0;
+  double weight = 0.0;
+};
+
+// Eight impulses side by side, as the SIMD evaluator reads them. Unused places have weight 0.
+struct ImpulseBlock {
+  static constexpr std::size_t kSize = 8;
+  double x[kSize] = {}, y[kSize] = {}, z[kSize] = {}, inverse_square[kSize] = {},
+         weight[kSize] = {};
+};
+
+// Impulses in order of insertion.
+class ImpulseList {
+ public:
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  void reserve(std::size_t count) {
+    blocks_.reserve((count + ImpulseBlock::kSize - 1) / ImpulseBlock::kSize);
+  }
+
+  Impulse operator[](std::size_t i) const {
+    const ImpulseBlock& b = blocks_[i / ImpulseBlock::kSize];
+    const std::size_t k = i % ImpulseBlock::kSize;
+    return {Imath::V3d(b.x[k], b.y[k], b.z[k]), b.inverse_square[k], b.weight[k]};
+  }
+
+  void push_back(const Impulse& p) {
+    const std::size_t k = size_ % ImpulseBlock::kSize;
+    if (k == 0) blocks_.emplace_back();
+    ImpulseBlock& b = blocks_.back();
+    b.x[k] = p.centre.x;
+    b.y[k] = p.centre.y;
+    b.z[k] = p.centre.z;
+    b.inverse_square[k] = p.inverse_square;
+    b.weight[k] = p.weight;
+    ++size_;
+  }
+
+  // Sum of all impulses at `x`, evaluated with the machine's widest vectors (Highway picks at run
+  // time). The order of summation follows the vector width: results of two machines may differ by a
+  // few roundings.
+  double value(const Imath::V3d& x) const;
+
+ private:
+  std::vector<ImpulseBlock> blocks_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace morsel::geom
