@@ -70,7 +70,7 @@ static_assert(sizeof(Brick) == 56);
 class BrickSet {
  public:
   struct Options {
-    int block_levels = 2;
+    int block_levels = 4;
     // Kept around every block: points within it of a brick may be evaluated by `field`.
     double margin = 0.0;
   };
