@@ -16,7 +16,11 @@ std::uint64_t brick_count(const geom::HypertextureGeometry& hypertexture) {
   return hypertexture.statistics().bricks;
 }
 
-bool interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
+std::uint32_t main_component(const geom::HypertextureGeometry& hypertexture) {
+  return hypertexture.main_component();
+}
+
+void interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
                                 const InstanceTransform& transform, const Ray& ray,
                                 std::uint32_t brick, SurfaceInteraction& s) {
   const V3d world = V3d(ray.origin) + V3d(ray.direction) * static_cast<double>(s.t);
@@ -34,7 +38,6 @@ bool interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
   s.spawn_front = V3f(transform.point_to_world(V3d(point.spawn_front)));
   s.spawn_behind = V3f(transform.point_to_world(V3d(point.spawn_behind)));
   s.component = point.component;
-  return point.component == hypertexture.main_component();
 }
 
 }  // namespace morsel::render

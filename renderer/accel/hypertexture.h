@@ -16,10 +16,11 @@ GeometryHandle create_hypertexture_geometry(const Device& device,
                                             const geom::HypertextureGeometry& hypertexture);
 
 std::uint64_t brick_count(const geom::HypertextureGeometry& hypertexture);
+// Looks through all components: not for every hit.
+std::uint32_t main_component(const geom::HypertextureGeometry& hypertexture);
 
 // Fills in p, spawn points, normals and the component of the hit of `ray` at s.t on `brick`.
-// Returns whether the component is the main one.
-bool interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
+void interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
                                 const InstanceTransform& transform, const Ray& ray,
                                 std::uint32_t brick, SurfaceInteraction& interaction);
 

@@ -43,7 +43,7 @@ struct SceneAccel::Impl {
   struct InstanceData {
     const TriangleMesh* mesh;  // or
     const geom::HypertextureGeometry* hypertexture;
-    std::uint32_t geometry, material, detached_material;
+    std::uint32_t geometry, material, detached_material, main_component;
     InstanceTransform transform;
   };
   struct LightData {
@@ -114,6 +114,7 @@ struct SceneAccel::Impl {
     const auto* mesh = std::get_if<TriangleMesh>(&shape);
     const geom::HypertextureGeometry* hypertexture = mesh ? nullptr : std::get<1>(shape).get();
     instances.push_back({mesh, hypertexture, i.geometry, i.material, detached,
+                         hypertexture ? main_component(*hypertexture) : kNoIndex,
                          InstanceTransform(i.object_to_world, i.name)});
 
     GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
@@ -153,8 +154,9 @@ struct SceneAccel::Impl {
     s.material = i.material;
     if (i.mesh) {
       interact_with_mesh(*i.mesh, i.transform, hit.primID, hit.u, hit.v, s);
-    } else if (!interact_with_hypertexture(*i.hypertexture, i.transform, ray, hit.primID, s)) {
-      s.material = i.detached_material;
+    } else {
+      interact_with_hypertexture(*i.hypertexture, i.transform, ray, hit.primID, s);
+      if (s.component != i.main_component) s.material = i.detached_material;
     }
   }
 };

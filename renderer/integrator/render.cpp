@@ -141,7 +141,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
     const SceneAccel accel(scene);
     statistics.accel = accel.statistics();
     statistics.seconds.emplace_back("build", watch.restart());
-    const LightSet lights(scene);
+    const LightSet lights(scene, options.direct_lighting == DirectLighting::kLightsOnly);
     statistics.seconds.emplace_back("lights", watch.restart());
 
     const PathTracer tracer(scene, accel, lights, camera, options.direct_lighting);

@@ -17,7 +17,8 @@ float sample_linear(float u, float a, float b) {
 
 }  // namespace
 
-Environment::Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees)
+Environment::Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees,
+                         bool only_highlights)
     : image_(std::move(image)) {
   const int width = image_.width, height = image_.height;
   if (width < 1 || height < 1 ||
@@ -29,31 +30,40 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
   cosine_ = std::cos(rotation);
 
   constexpr double kDoublePi = 3.14159265358979323846;
+  const auto band = [&](double top, double bottom) {  // share of the sphere between two rows
+    return 0.5 * (std::cos(kDoublePi * top / height) - std::cos(kDoublePi * bottom / height));
+  };
+  const auto mean_target = [&] {
+    double mean = 0.0;
+    for (int y = 0; y < height; ++y) {
+      double sum = 0.0;
+      for (int x = 0; x < width; ++x) sum += target_[index(x, y)];
+      mean += sum / width * band(y, y + 1.0);
+    }
+    return static_cast<float>(mean);
+  };
+  for (const V3f& t : image_.texels) target_.push_back(luminance(t));
+  sampled_luminance_ = mean_target();
+  if (only_highlights) {
+    for (float& t : target_) t = std::max(0.0f, t - sampled_luminance_);
+    sampled_luminance_ = mean_target();
+  }
+
   std::vector<double> row_weight, weight(static_cast<std::size_t>(width));
   for (int row = 0; row <= height; ++row) {
     const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
     double total = 0.0;
     for (int x = 0; x < width; ++x) {
       const int x1 = (x + 1) % width;
-      const double mean = 0.25 * (double{luminance(texel(x, y0))} + luminance(texel(x1, y0)) +
-                                  luminance(texel(x, y1)) + luminance(texel(x1, y1)));
+      const double mean = 0.25 * (double{target_[index(x, y0)]} + target_[index(x1, y0)] +
+                                  target_[index(x, y1)] + target_[index(x1, y1)]);
       weight[static_cast<std::size_t>(x)] = mean;
       total += mean;
     }
     in_row_.emplace_back(weight);
-    const double top = std::max(row - 0.5, 0.0), bottom = std::min(row + 0.5, 1.0 * height);
-    row_weight.push_back(
-        total * (std::cos(kDoublePi * top / height) - std::cos(kDoublePi * bottom / height)));
+    row_weight.push_back(total * band(std::max(row - 0.5, 0.0), std::min(row + 0.5, 1.0 * height)));
   }
   rows_.emplace(row_weight);
-
-  V3d sum(0.0);
-  for (int y = 0; y < height; ++y) {
-    const double solid_angle =
-        std::cos(kDoublePi * y / height) - std::cos(kDoublePi * (y + 1) / height);
-    for (int x = 0; x < width; ++x) sum += V3d(texel(x, y)) * solid_angle;
-  }
-  mean_ = V3f(sum / (2.0 * width));
 }
 
 Environment::Patch Environment::patch(const V3f& wi) const {
@@ -88,14 +98,18 @@ V3f Environment::interpolate(const Patch& p) const {
   return upper * (1.0f - y) + lower * y;
 }
 
-float Environment::density(const Patch& p, float probability) const {
-  const float mean = 0.25f * (luminance(texel(p.x0, p.y0)) + luminance(texel(p.x1, p.y0)) +
-                              luminance(texel(p.x0, p.y1)) + luminance(texel(p.x1, p.y1)));
+Environment::Corners Environment::corners(const Patch& p) const {
+  return {target_[index(p.x0, p.y0)], target_[index(p.x1, p.y0)], target_[index(p.x0, p.y1)],
+          target_[index(p.x1, p.y1)]};
+}
+
+float Environment::density(const Patch& p, const Corners& target, float probability) const {
+  const float mean = target.mean();
   if (!(mean > 0.0f) || !(p.sine > 0.0f)) return 0.0f;
   const bool pole = p.row == 0 || p.row == static_cast<std::size_t>(image_.height);
   const float height = pole ? 0.5f : 1.0f;
   const float patches = static_cast<float>(image_.width) * static_cast<float>(image_.height);
-  return probability * luminance(interpolate(p)) / (mean * height) * patches /
+  return probability * target.at(p.position) / (mean * height) * patches /
          (2.0f * kPi * kPi * p.sine);
 }
 
@@ -104,7 +118,7 @@ V3f Environment::radiance(const V3f& wi) const { return interpolate(patch(wi)); 
 float Environment::pdf(const V3f& wi) const {
   if (constant()) return 0.25f * kInvPi;
   const Patch p = patch(wi);
-  return density(p, rows_->probability(p.row) * in_row_[p.row].probability(p.column));
+  return density(p, corners(p), rows_->probability(p.row) * in_row_[p.row].probability(p.column));
 }
 
 LightSample Environment::sample(const V2f& u) const {
@@ -126,8 +140,8 @@ LightSample Environment::sample(const V2f& u) const {
   p.x1 = (p.x0 + 1) % width;
   p.y0 = std::max(static_cast<int>(row.index) - 1, 0);
   p.y1 = std::min(static_cast<int>(row.index), height - 1);
-  const float a = luminance(texel(p.x0, p.y0)), b = luminance(texel(p.x1, p.y0));
-  const float c = luminance(texel(p.x0, p.y1)), d = luminance(texel(p.x1, p.y1));
+  const Corners target = corners(p);
+  const auto [a, b, c, d] = target;
   // At a pole the patch is half as high, and the light does not change along it.
   float y = sample_linear(row.offset, a + b, c + d);
   if (row.index == 0) y = 0.5f + 0.5f * y;
@@ -146,7 +160,7 @@ LightSample Environment::sample(const V2f& u) const {
   sample.wi =
       V3f(cosine_ * east + sine_ * south, std::cos(colatitude), cosine_ * south - sine_ * east);
   sample.radiance = interpolate(p);
-  sample.pdf = density(p, row.probability * column.probability);
+  sample.pdf = density(p, target, row.probability * column.probability);
   sample.distance = std::numeric_limits<float>::infinity();
   return sample;
 }

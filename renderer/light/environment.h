@@ -35,15 +35,21 @@ struct LightSample {
 // centres is chosen by its mean luminance times its solid angle, then a point in it with density
 // proportional to the interpolated luminance. So wherever there is light it is sampled, and no
 // sample is brighter than about twice the mean.
+//
+// Where other samples (of BSDFs) look after the even part of the light, the sampling density need
+// only follow what stands out: with `only_highlights` the mean luminance is taken off it, which
+// lowers the noise of the combination (Karlik et al., "MIS Compensation", 2019). The density is
+// then 0 where there is light: not for use without MIS.
 class Environment {
  public:
-  Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees);
+  Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees,
+              bool only_highlights = false);
 
   V3f radiance(const V3f& wi) const;
   LightSample sample(const V2f& u) const;
   float pdf(const V3f& wi) const;
-  // Mean over all directions.
-  const V3f& mean_radiance() const { return mean_; }
+  // Mean over all directions of the luminance that sample() follows. 0: nothing to sample.
+  float sampled_luminance() const { return sampled_luminance_; }
 
  private:
   // The patch that a direction falls into and where in it.
@@ -58,20 +64,31 @@ class Environment {
   };
   // One texel: the same everywhere, sampled uniformly.
   bool constant() const { return image_.texels.size() == 1; }
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
+           static_cast<std::size_t>(x);
+  }
   Patch patch(const V3f& wi) const;
   V3f interpolate(const Patch& patch) const;
-  // Density in the patch's unit square times the number of patches over the solid angle of all.
-  float density(const Patch& patch, float probability) const;
-  const V3f& texel(int x, int y) const {
-    return image_.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
-                         static_cast<std::size_t>(x)];
-  }
+  // The four values of target_ about a patch.
+  struct Corners {
+    float a, b, c, d;  // upper left and right, lower left and right
+    float mean() const { return 0.25f * (a + b + c + d); }
+    float at(const V2f& p) const {
+      return (a * (1.0f - p.x) + b * p.x) * (1.0f - p.y) + (c * (1.0f - p.x) + d * p.x) * p.y;
+    }
+  };
+  Corners corners(const Patch& patch) const;
+  // Per solid angle, of a point in the patch, which is chosen with `probability`.
+  float density(const Patch& patch, const Corners& target, float probability) const;
+  const V3f& texel(int x, int y) const { return image_.texels[index(x, y)]; }
 
   EnvironmentImage image_;              // already scaled
+  std::vector<float> target_;           // per texel, what sampling follows
   float sine_, cosine_;                 // of the rotation
   std::vector<Distribution1D> in_row_;  // height + 1
   std::optional<Distribution1D> rows_;
-  V3f mean_;
+  float sampled_luminance_ = 0.0f;
 };
 
 }  // namespace morsel::render

@@ -3,14 +3,14 @@
 
 namespace morsel::render {
 
-LightSet::LightSet(const Scene& scene) {
+LightSet::LightSet(const Scene& scene, bool complete) {
   if (scene.environment) {
     const EnvironmentLight& e = *scene.environment;
     environment_.emplace(e.file.empty() ? EnvironmentImage{} : EnvironmentImage::read(e.file),
-                         e.radiance, e.rotation);
+                         e.radiance, e.rotation, !complete);
     environment_visible_ = e.visible_to_camera;
     // Irradiance under a hemisphere of the mean radiance.
-    environment_importance_ = kPi * luminance(environment_->mean_radiance());
+    environment_importance_ = kPi * environment_->sampled_luminance();
   }
   for (const RectangleLight& r : scene.rectangles) rectangles_.emplace_back(r);
 }

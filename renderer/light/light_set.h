@@ -13,8 +13,10 @@ namespace morsel::render {
 // to the shaded point at most (visibility and the surface's normal not considered).
 class LightSet {
  public:
-  // Reads the environment's image. Throws std::runtime_error, std::invalid_argument.
-  explicit LightSet(const Scene& scene);
+  // Reads the environment's image. `complete`: every light is sampled wherever it shines; otherwise
+  // BSDF samples are counted on for the even part of the environment. Throws std::runtime_error,
+  // std::invalid_argument.
+  LightSet(const Scene& scene, bool complete);
 
   bool empty() const { return !environment_ && rectangles_.empty(); }
   const std::optional<Environment>& environment() const { return environment_; }

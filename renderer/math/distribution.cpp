@@ -26,11 +26,22 @@ Distribution1D::Distribution1D(std::span<const double> weights) {
   // Rounding must not leave a gap below 1 that belongs to a cell without weight.
   const float last = cumulative_.back();
   for (std::size_t i = weights.size(); i > 0 && cumulative_[i] == last; --i) cumulative_[i] = 1.0f;
+
+  guide_.resize(weights.size());
+  std::uint32_t cell = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const float u = static_cast<float>(i) / static_cast<float>(weights.size());
+    while (cumulative_[cell + 1] <= u) ++cell;
+    guide_[i] = cell;
+  }
 }
 
 Distribution1D::Cell Distribution1D::sample(float u) const {
-  const auto after = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);
-  const std::size_t index = static_cast<std::size_t>(after - cumulative_.begin()) - 1;
+  const auto bucket = static_cast<std::size_t>(u * static_cast<float>(guide_.size()));
+  std::size_t index = guide_[std::min(bucket, guide_.size() - 1)];
+  // The product may have been rounded up into the next bucket.
+  while (cumulative_[index] > u) --index;
+  while (cumulative_[index + 1] <= u) ++index;
   const float width = probability(index);
   const float offset = std::min((u - cumulative_[index]) / width, kOneMinusEpsilon);
   return {index, offset, width};
