@@ -101,8 +101,12 @@ TEST(Certified, ADepthLimitThatIsTooShallowIsReported) {
     const Topology t =
         certify_in(two_blobs(-1e-3, {1, 1, 0}, {0.0, 0.1, 0.2}), cube(2.4), std::max(3, depth));
     EXPECT_LE(t.components_lo, 2u);
-    if (t.components_hi) EXPECT_GE(*t.components_hi, 2u);
-    if (t.certified) EXPECT_EQ(t.components.size(), 2u);
+    if (t.components_hi) {
+      EXPECT_GE(*t.components_hi, 2u);
+    }
+    if (t.certified) {
+      EXPECT_EQ(t.components.size(), 2u);
+    }
   }
 }
 
