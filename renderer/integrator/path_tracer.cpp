@@ -17,6 +17,7 @@ enum VertexDimension : std::uint32_t {
   kDirection,
   kLightChoice,
   kLightPoint,
+  kEnvironmentPoint,
   kRoulette,
   kPerVertex
 };
@@ -40,6 +41,7 @@ struct PathTracer::State {
   V3f previous_p{0.0f};
   float previous_pdf = 0.0f;
   bool previous_delta = true;
+  bool previous_split = false;  // there were two light samples, one for each group
   // Albedo and normal wait for the first vertex that is not a delta lobe.
   bool features_open = true;
   V3f feature_tint{1.0f};
@@ -64,10 +66,12 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
   if (!environment || (state.vertex == 0 && !lights_.environment_visible_to_camera())) return;
   if (state.vertex == 0) sample.alpha = 1.0f;
   const V3f& wi = state.ray.direction;
+  const LightGroup group = state.previous_split ? LightGroup::kEnvironment : LightGroup::kAll;
   const float weight =
       state.previous_delta
           ? 1.0f
-          : mis_weight(state.previous_pdf, lights_.environment_pdf(state.previous_p, wi), false);
+          : mis_weight(state.previous_pdf, lights_.environment_pdf(group, state.previous_p, wi),
+                       false);
   sample.radiance += state.throughput * environment->radiance(wi) * weight;
 }
 
@@ -82,20 +86,22 @@ void PathTracer::add_rectangle(State& state, const SurfaceInteraction& hit,
     sample.normal = emits ? light.normal() : -light.normal();
   }
   if (!emits) return;
+  const LightGroup group = state.previous_split ? LightGroup::kRectangles : LightGroup::kAll;
   const float weight =
       state.previous_delta
           ? 1.0f
           : mis_weight(state.previous_pdf,
-                       lights_.rectangle_pdf(hit.light, state.previous_p, wi, hit.t), false);
+                       lights_.rectangle_pdf(group, hit.light, state.previous_p, wi, hit.t), false);
   sample.radiance += state.throughput * light.radiance() * weight;
 }
 
-void PathTracer::add_direct(const State& state, const SurfaceInteraction& hit, const Bsdf& bsdf,
-                            const PixelSampler& sampler, PathSample& sample,
+void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
+                            const Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
                             RayCounts& rays) const {
+  const auto use = group == LightGroup::kEnvironment ? kEnvironmentPoint : kLightPoint;
   const LightSample light =
-      lights_.sample(hit.p, sampler.get_1d(dimension(state.vertex, kLightChoice)),
-                     sampler.get_2d(dimension(state.vertex, kLightPoint)));
+      lights_.sample(group, hit.p, sampler.get_1d(dimension(state.vertex, kLightChoice)),
+                     sampler.get_2d(dimension(state.vertex, use)));
   if (!(light.pdf > 0.0f)) return;
   const LobeValue lobe = bsdf.evaluate(light.wi);
   if (!(max_component(lobe.value) > 0.0f)) return;
@@ -148,8 +154,14 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
       result.albedo = state.feature_tint * bsdf.albedo();
       result.normal = bsdf.shading_normal();
     }
-    if (!delta && direct_lighting_ != DirectLighting::kBsdfOnly)
-      add_direct(state, hit, bsdf, sampler, result, rays);
+    if (!delta && direct_lighting_ != DirectLighting::kBsdfOnly) {
+      if (first) {
+        add_direct(state, LightGroup::kEnvironment, hit, bsdf, sampler, result, rays);
+        add_direct(state, LightGroup::kRectangles, hit, bsdf, sampler, result, rays);
+      } else {
+        add_direct(state, LightGroup::kAll, hit, bsdf, sampler, result, rays);
+      }
+    }
 
     const auto scattered = bsdf.sample(sampler.get_1d(dimension(state.vertex, kLobe)),
                                        sampler.get_2d(dimension(state.vertex, kDirection)));
@@ -168,6 +180,7 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
     state.previous_p = hit.p;
     state.previous_pdf = scattered->pdf;
     state.previous_delta = scattered->delta;
+    state.previous_split = first;
     state.ray.origin = hit.spawn(scattered->wi);
     state.ray.direction = scattered->wi;
   }

@@ -12,7 +12,9 @@
 namespace morsel::render {
 
 // Unidirectional path tracing: at every vertex one direction towards a light and one by the BSDF,
-// combined with the power heuristic (Veach 1997). Holds references only; thread-safe.
+// combined with the power heuristic (Veach 1997). At the first vertex, where most of the noise
+// comes from, the environment and the rectangles get a light sample each. Holds references only;
+// thread-safe.
 class PathTracer {
  public:
   PathTracer(const Scene& scene, const SceneAccel& accel, const LightSet& lights,
@@ -31,8 +33,9 @@ class PathTracer {
 
   void add_escaped(State& state, PathSample& sample) const;
   void add_rectangle(State& state, const SurfaceInteraction& hit, PathSample& sample) const;
-  void add_direct(const State& state, const SurfaceInteraction& hit, const class Bsdf& bsdf,
-                  const PixelSampler& sampler, PathSample& sample, RayCounts& rays) const;
+  void add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
+                  const class Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
+                  RayCounts& rays) const;
   float mis_weight(float this_pdf, float other_pdf, bool light_sample) const;
 
   const Scene& scene_;

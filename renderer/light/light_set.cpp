@@ -15,18 +15,19 @@ LightSet::LightSet(const Scene& scene, bool complete) {
   for (const RectangleLight& r : scene.rectangles) rectangles_.emplace_back(r);
 }
 
-float LightSet::total_importance(const V3f& p) const {
-  float total = environment_importance_;
-  for (const Rectangle& r : rectangles_) total += r.importance(p);
+float LightSet::total_importance(LightGroup group, const V3f& p) const {
+  float total = group == LightGroup::kRectangles ? 0.0f : environment_importance_;
+  if (group != LightGroup::kEnvironment)
+    for (const Rectangle& r : rectangles_) total += r.importance(p);
   return total;
 }
 
-LightSample LightSet::sample(const V3f& p, float choice, const V2f& u) const {
-  const float total = total_importance(p);
+LightSample LightSet::sample(LightGroup group, const V3f& p, float choice, const V2f& u) const {
+  const float total = total_importance(group, p);
   if (!(total > 0.0f)) return {};
   float rest = choice * total;
-  if (environment_importance_ > 0.0f) {
-    if (rest < environment_importance_) {
+  if (group != LightGroup::kRectangles && environment_importance_ > 0.0f) {
+    if (group == LightGroup::kEnvironment || rest < environment_importance_) {
       LightSample s = environment_->sample(u);
       s.pdf *= environment_importance_ / total;
       return s;
@@ -49,15 +50,19 @@ LightSample LightSet::sample(const V3f& p, float choice, const V2f& u) const {
   return s;
 }
 
-float LightSet::environment_pdf(const V3f& p, const V3f& wi) const {
+float LightSet::environment_pdf(LightGroup group, const V3f& p, const V3f& wi) const {
   if (!(environment_importance_ > 0.0f)) return 0.0f;
-  return environment_->pdf(wi) * environment_importance_ / total_importance(p);
+  const float share = group == LightGroup::kEnvironment
+                          ? 1.0f
+                          : environment_importance_ / total_importance(group, p);
+  return environment_->pdf(wi) * share;
 }
 
-float LightSet::rectangle_pdf(std::size_t i, const V3f& p, const V3f& wi, float distance) const {
+float LightSet::rectangle_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi,
+                              float distance) const {
   const float importance = rectangles_[i].importance(p);
   if (!(importance > 0.0f)) return 0.0f;
-  return rectangles_[i].pdf(p, wi, distance) * importance / total_importance(p);
+  return rectangles_[i].pdf(p, wi, distance) * importance / total_importance(group, p);
 }
 
 }  // namespace morsel::render

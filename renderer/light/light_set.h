@@ -9,6 +9,9 @@
 
 namespace morsel::render {
 
+// Lights that one sample chooses among.
+enum class LightGroup { kAll, kEnvironment, kRectangles };
+
 // All lights of a scene and the choice among them: in proportion to the light that each can bring
 // to the shaded point at most (visibility and the surface's normal not considered).
 class LightSet {
@@ -24,16 +27,18 @@ class LightSet {
   const Rectangle& rectangle(std::size_t i) const { return rectangles_[i]; }
   std::size_t rectangle_count() const { return rectangles_.size(); }
 
-  // A direction from `p` to one of the lights; pdf includes the choice, and is 0 if no light can
-  // reach `p`.
-  LightSample sample(const V3f& p, float choice, const V2f& u) const;
-  // The density of sample(p) for a direction that escapes or that hits rectangle `i`, as far as
-  // that light is concerned. Lights do not overlap along a ray, so this is what MIS needs.
-  float environment_pdf(const V3f& p, const V3f& wi) const;
-  float rectangle_pdf(std::size_t i, const V3f& p, const V3f& wi, float distance) const;
+  // A direction from `p` to one of the group's lights; pdf includes the choice, and is 0 if none of
+  // them can reach `p`.
+  LightSample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const;
+  // The density of sample(group, p) for a direction that escapes or that hits rectangle `i`, as far
+  // as that light, which must be of the group, is concerned. Lights do not overlap along a ray, so
+  // this is what MIS needs.
+  float environment_pdf(LightGroup group, const V3f& p, const V3f& wi) const;
+  float rectangle_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi,
+                      float distance) const;
 
  private:
-  float total_importance(const V3f& p) const;
+  float total_importance(LightGroup group, const V3f& p) const;
 
   std::optional<Environment> environment_;
   bool environment_visible_ = true;

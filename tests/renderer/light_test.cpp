@@ -265,13 +265,14 @@ TEST(LightSet, SumsAllLights) {
   double sum = 0.0, solid_angles[3] = {0, 0, 0};
   for (int i = 0; i < kSamples; ++i) {
     const float choice = random();
-    const LightSample s = lights.sample(p, choice, random.pair());
+    const LightSample s = lights.sample(LightGroup::kAll, p, choice, random.pair());
     ASSERT_GT(s.pdf, 0.0f);
     sum += s.radiance.x / s.pdf / kSamples;
     const int which = std::isinf(s.distance) ? 0 : s.radiance.x == 3.0f ? 1 : 2;
     const float pdf =
-        which == 0 ? lights.environment_pdf(p, s.wi)
-                   : lights.rectangle_pdf(static_cast<std::size_t>(which - 1), p, s.wi, s.distance);
+        which == 0 ? lights.environment_pdf(LightGroup::kAll, p, s.wi)
+                   : lights.rectangle_pdf(LightGroup::kAll, static_cast<std::size_t>(which - 1), p,
+                                          s.wi, s.distance);
     EXPECT_NEAR(pdf / s.pdf, 1.0f, 1e-3f);
     solid_angles[which] += 1.0 / s.pdf / kSamples;
   }
@@ -289,7 +290,7 @@ TEST(LightSet, SumsAllLights) {
 TEST(LightSet, WithoutLightsSamplesNothing) {
   const LightSet lights(Scene{}, true);
   EXPECT_TRUE(lights.empty());
-  EXPECT_EQ(lights.sample(V3f(0.0f), 0.5f, V2f(0.5f)).pdf, 0.0f);
+  EXPECT_EQ(lights.sample(LightGroup::kAll, V3f(0.0f), 0.5f, V2f(0.5f)).pdf, 0.0f);
 }
 
 }  // namespace
