@@ -30,7 +30,12 @@ tinygltf::Model parse(const std::filesystem::path& file) {
   const bool done = start == "glTF"
                         ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
                         : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
-  if (done) return model;
+  if (done) {
+    if (model.asset.version.rfind("2.", 0) != 0)
+      throw GltfError(
+          fmt::format("is of glTF version \"{}\"; only 2 is supported", model.asset.version));
+    return model;
+  }
   while (!error.empty() && error.back() == '\n') error.pop_back();
   throw GltfError(error.empty() ? "not a glTF file" : error);
 }

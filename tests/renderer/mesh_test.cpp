@@ -284,6 +284,7 @@ TEST(Gltf, HostileFilesAreErrors) {
   expect_refused("node 0", [](GltfFile& f) { f.json["nodes"][0]["children"] = {0}; });
   expect_refused("node 9", [](GltfFile& f) { f.json["nodes"][0]["children"] = {9}; });
   expect_refused("mesh 9", [](GltfFile& f) { f.json["nodes"][0]["mesh"] = 9; });
+  expect_refused("version \"1.0\"", [](GltfFile& f) { f.json["asset"]["version"] = "1.0"; });
   expect_refused("no triangles", [](GltfFile& f) { f.primitive()["mode"] = 1; });
   expect_refused("KHR_draco", [](GltfFile& f) {
     f.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};

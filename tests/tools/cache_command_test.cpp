@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "command_scene.h"
+#include "run_command.h"
+
+namespace morsel::test {
+namespace {
+
+using nlohmann::json;
+
+class CacheCommandTest : public ::testing::Test {
+ protected:
+  CommandResult build(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"cache", "build", scene_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_morsel(arguments);
+  }
+
+  TemporaryFolder folder_;
+  std::string scene_ = folder_.write("scene.json", kCommandScene).string();
+  std::string cache_ = (folder_ / "my.topo").string();
+};
+
+TEST_F(CacheCommandTest, BuildsOnlyWhatIsMissingOrStale) {
+  const CommandResult first = build();
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_NE(first.out.find("built, was missing"), std::string::npos) << first.out;
+  const CommandResult second = build();
+  EXPECT_EQ(second.code, 0);
+  EXPECT_NE(second.out.find("up to date"), std::string::npos) << second.out;
+  const CommandResult forced = build({"--force"});
+  EXPECT_NE(forced.out.find("built, was forced"), std::string::npos) << forced.out;
+  // A changed field gets another file.
+  build({"--set", "geometries.rock.field.modulations.0.seed=4"});
+  EXPECT_EQ(folder_.count_files(), 3u);
+
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  const CommandResult other =
+      build({"-o", cache_, "--set", "geometries.rock.field.modulations.0.seed=4"});
+  EXPECT_NE(other.out.find("built, was stale"), std::string::npos) << other.out;
+}
+
+TEST_F(CacheCommandTest, MaxDepthChangesTheFingerprint) {
+  const json a = json::parse(build({"--json"}).out),
+             b = json::parse(build({"--json", "--max-depth", "9"}).out);
+  EXPECT_NE(a[0]["field_hash"], b[0]["field_hash"]);
+  EXPECT_LE(b[0]["octree"]["depth"], 9);
+  EXPECT_EQ(a[0]["geometry"], "rock");
+  EXPECT_EQ(a[0]["built"], true);
+}
+
+TEST_F(CacheCommandTest, InfoHasTheKeysThatOthersRelyOn) {
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  const CommandResult result = run_morsel({"cache", "info", cache_, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  const json info = json::parse(result.out);  // one document and nothing else
+  for (const char* key :
+       {"components", "components_bounds", "certified", "unresolved_cells", "engine",
+        "critical_points", "kept", "field_hash", "seconds", "bytes", "octree"})
+    EXPECT_TRUE(info.contains(key)) << key;
+  for (const char* key : {"maxima", "saddles2", "saddles1", "minima"})
+    EXPECT_TRUE(info["critical_points"].contains(key)) << key;
+  EXPECT_TRUE(info["octree"].contains("leaves"));
+  EXPECT_TRUE(info["octree"].contains("depth"));
+  EXPECT_EQ(info["bytes"], std::filesystem::file_size(cache_));
+  EXPECT_EQ(info["kept"], 1);
+  const int components = info["components"];
+  EXPECT_EQ(components, 5);
+  EXPECT_EQ(info["components_bounds"], json({components, components}));
+
+  const json all =
+      json::parse(run_morsel({"cache", "info", cache_, "--json", "--keep", "all"}).out);
+  EXPECT_EQ(all["kept"], components);
+  const CommandResult text = run_morsel({"cache", "info", cache_});
+  EXPECT_NE(text.out.find("octree.leaves"), std::string::npos) << text.out;
+}
+
+TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {
+  EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 1);
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  std::filesystem::resize_file(cache_, std::filesystem::file_size(cache_) / 2);
+  const CommandResult info = run_morsel({"cache", "info", cache_, "--json"});
+  EXPECT_EQ(info.code, 1);
+  EXPECT_EQ(info.out, "");
+  EXPECT_NE(info.err.find(cache_), std::string::npos) << info.err;
+  const CommandResult render =
+      run_morsel({"render", scene_, "--cache", cache_, "-o", (folder_ / "a.exr").string()});
+  EXPECT_EQ(render.code, 1);
+  EXPECT_NE(render.err.find(cache_), std::string::npos) << render.err;
+  EXPECT_EQ(folder_.count_files(), 2u);
+
+  // A file that may be anything is replaced only on demand.
+  EXPECT_EQ(build({"-o", cache_}).code, 1);
+  EXPECT_EQ(build({"-o", cache_, "--force"}).code, 0);
+  EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 0);
+}
+
+TEST_F(CacheCommandTest, DamagedCachesOfOurOwnNamingAreRebuilt) {
+  const json built = json::parse(build({"--json"}).out);
+  std::filesystem::resize_file(built[0]["file"].get<std::string>(), 100);
+  const CommandResult again = build();
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_NE(again.out.find("built, was damaged"), std::string::npos) << again.out;
+}
+
+TEST_F(CacheCommandTest, UnwritableFilesFailBeforeTheWork) {
+  folder_.write("wall", "");
+  const CommandResult result = build({"-o", (folder_ / "wall/my.topo").string(), "-q"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.err.find("wall/my.topo"), std::string::npos) << result.err;
+  EXPECT_EQ(folder_.count_files(), 2u);
+}
+
+TEST_F(CacheCommandTest, ProgressStaysOnStderrInTheFormAskedFor) {
+  const CommandResult plain = build({"--force"});
+  EXPECT_EQ(plain.err.find('\r'), std::string::npos);  // no bar into a file
+  EXPECT_NE(plain.err.find("100 %"), std::string::npos) << plain.err;
+  const CommandResult lines = build({"--force", "--progress", "json"});
+  std::istringstream err(lines.err);
+  std::string line;
+  double last = -1;
+  while (std::getline(err, line)) last = json::parse(line)["fraction"].get<double>();
+  EXPECT_EQ(last, 1.0);
+  EXPECT_EQ(build({"--force", "--quiet"}).err, "");
+  EXPECT_EQ(build({"--force", "--progress", "none"}).err, "");
+}
+
+}  // namespace
+}  // namespace morsel::test

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Usage, exit codes and streams that all subcommands share.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "command_scene.h"
+#include "run_command.h"
+
+namespace morsel::test {
+namespace {
+
+TEST(Command, HelpAndVersionAreResults) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--help"},
+                                             {"cache", "--help"},
+                                             {"cache", "build", "--help"},
+                                             {"cache", "info", "--help"},
+                                             {"field", "eval", "--help"},
+                                             {"field", "sample", "--help"},
+                                             {"render", "--help"},
+                                             {"scene", "check", "--help"}}) {
+    const CommandResult result = run_morsel(arguments);
+    EXPECT_EQ(result.code, 0) << arguments[0];
+    EXPECT_NE(result.out.find("--help"), std::string::npos) << arguments[0];
+    EXPECT_EQ(result.err, "");
+  }
+  const CommandResult version = run_morsel({"--version"});
+  EXPECT_EQ(version.code, 0);
+  for (const char* library : {"morsel ", "Embree ", "OpenImageIO ", "oneTBB ", "processor "})
+    EXPECT_NE(version.out.find(library), std::string::npos) << version.out;
+}
+
+TEST(Command, HelpListsEverySubcommand) {
+  const CommandResult result = run_morsel({"--help"});
+  for (const char* name : {"render", "scene", "cache", "field"})
+    EXPECT_NE(result.out.find(std::string("\n  ") + name), std::string::npos) << result.out;
+}
+
+TEST(Command, WrongUsageExitsWith2AndSaysSoOnStderr) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{},
+                                             {"cook"},
+                                             {"cache"},
+                                             {"cache", "info"},
+                                             {"cache", "info", "x.topo", "--frob"},
+                                             {"cache", "info", "x.topo", "--keep", "most"},
+                                             {"render"},
+                                             {"render", "x.json", "--progress", "loud"},
+                                             {"render", "x.json", "--threads", "many"},
+                                             {"render", "x.json", "--set", "spp"},
+                                             {"field", "sample", "x.json", "--resolution", "1"}}) {
+    const CommandResult result = run_morsel(arguments);
+    std::string line;
+    for (const std::string& word : arguments) line += word + " ";
+    EXPECT_EQ(result.code, 2) << line << result.err;
+    EXPECT_EQ(result.out, "") << line;
+    EXPECT_NE(result.err, "") << line;
+  }
+}
+
+TEST(Command, InvalidScenesExitWith2) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", kCommandScene).string();
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"render", (folder / "gone.json").string()},
+           {"render", scene, "--spp", "0"},
+           {"render", scene, "--resolution", "0x10"},
+           {"render", scene, "--resolution", "10"},
+           {"render", scene, "--crop", "0,0,33,24"},
+           {"render", scene, "--crop", "5,5,5,6"},
+           {"render", scene, "--crop", "0,0,1"},
+           {"render", scene, "--keep", "most"},
+           {"render", scene, "--stats", "xml"},
+           {"render", scene, "-o", "a.jpg"},
+           {"render", scene, "--set", "camera.fov=3"},
+           {"scene", "check", scene, "--set", "camera.fov=3"},
+           {"cache", "build", scene, "--geometry", "rok"},
+           {"cache", "build", scene, "--set", "geometries.rock.max_depth=99"},
+           {"field", "eval", scene, "--geometry", "floor", "--points", "-"},
+           {"field", "sample", scene, "--resolution", "4", "-o", "a.txt"}}) {
+    const CommandResult result = run_morsel(arguments, {.folder = folder.path()});
+    std::string line;
+    for (const std::string& word : arguments) line += word + " ";
+    EXPECT_EQ(result.code, 2) << line << result.err;
+    EXPECT_EQ(folder.count_files(), 1u) << line << "left something";
+  }
+}
+
+TEST(Command, FlagsAreNamedInErrorsOfTheScene) {
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", kCommandScene).string();
+  const CommandResult result = run_morsel({"render", scene, "--spp", "0"});
+  EXPECT_NE(result.err.find(scene + ": /render/spp: 0 is out of range"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("(set by --spp 0)"), std::string::npos) << result.err;
+}
+
+TEST(Command, AFullDiskIsAFailure) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", kBallScene).string();
+  CommandOptions options;
+  options.input = "0 0 0\n";
+  options.output = "/dev/full";
+  EXPECT_EQ(run_morsel({"field", "eval", scene, "--points", "-"}, options).code, 1);
+}
+
+TEST(Command, CacheInfoStartsAtOnce) {
+  // The image library alone would take 0.3 s of processor time to load.
+  const TemporaryFolder folder;
+  const std::string scene = folder.write("scene.json", kBallScene).string();
+  const std::string cache = (folder / "ball.topo").string();
+  ASSERT_EQ(run_morsel({"cache", "build", scene, "-o", cache}).code, 0);
+  double best = 1e9;
+  for (int i = 0; i < 5; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(run_morsel({"cache", "info", cache}).code, 0);
+    best = std::min(
+        best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "not a time to measure";
+#endif
+  EXPECT_LT(best, 0.15);
+}
+
+}  // namespace
+}  // namespace morsel::test

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "run_command.h"
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace morsel::test {
+namespace {
+
+// In the child: file descriptor `fd` becomes `file`.
+void redirect(int fd, const std::filesystem::path& file, int flags) {
+  const int opened = ::open(file.c_str(), flags, 0600);
+  if (opened < 0 || ::dup2(opened, fd) < 0) ::_exit(126);
+  ::close(opened);
+}
+
+}  // namespace
+
+CommandResult run_morsel(const std::vector<std::string>& arguments, const CommandOptions& options) {
+  const TemporaryFolder files;
+  files.write("in", options.input);
+  files.write("out", "");
+  files.write("err", "");
+  std::vector<std::string> words{MORSEL_EXECUTABLE};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    redirect(STDIN_FILENO, files / "in", O_RDONLY);
+    redirect(STDOUT_FILENO, options.output.empty() ? files / "out" : options.output, O_WRONLY);
+    redirect(STDERR_FILENO, files / "err", O_WRONLY);
+    if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(126);
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  if (options.then) options.then(child, files / "err");
+  int status = 0;
+  if (::waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid failed");
+  CommandResult result;
+  result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = read_text(files / "out");
+  result.err = read_text(files / "err");
+  return result;
+}
+
+}  // namespace morsel::test

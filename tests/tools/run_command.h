@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/temporary_folder.h"
+
+namespace morsel::test {
+
+struct CommandResult {
+  int code = -1;  // exit code, or 128 + signal
+  std::string out, err;
+};
+
+struct CommandOptions {
+  std::string input = {};             // for its standard input
+  std::filesystem::path folder = {};  // to run in; empty: here
+  std::filesystem::path output = {};  // instead of collecting its standard output
+  // Called once it runs, with the file that collects its standard error.
+  std::function<void(int pid, const std::filesystem::path& err)> then = {};
+};
+
+// Runs the `morsel` of this build with these arguments.
+CommandResult run_morsel(const std::vector<std::string>& arguments,
+                         const CommandOptions& options = {});
+
+}  // namespace morsel::test
