@@ -28,8 +28,8 @@ V3f usable_normal(const V3f& shading, const V3f& geometric, const V3f& wo) {
 
 }  // namespace
 
-Lobe make_lobe(const Material& material, const V3f& p, bool outside) {
-  const float alpha = material.roughness * material.roughness;
+Lobe make_lobe(const Material& material, const V3f& p, bool outside, float smallest_alpha) {
+  const float alpha = std::max(material.roughness * material.roughness, smallest_alpha);
   switch (material.type) {
     case MaterialType::kConductor:
       return Conductor(material.color, alpha);
@@ -46,7 +46,7 @@ Lobe make_lobe(const Material& material, const V3f& p, bool outside) {
 }
 
 Bsdf::Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
-           const V3f& shading_normal, const V3f& wo)
+           const V3f& shading_normal, const V3f& wo, float smallest_alpha)
     : geometric_normal_(dot(wo, geometric_normal) >= 0.0f ? geometric_normal : -geometric_normal),
       smooth_(shading_normal != geometric_normal),
       frame_(smooth_
@@ -55,7 +55,7 @@ Bsdf::Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
                                  geometric_normal_, wo)
                  : geometric_normal_),
       wo_(frame_.to_local(wo)),
-      lobe_(make_lobe(material, p, dot(wo, geometric_normal) >= 0.0f)) {
+      lobe_(make_lobe(material, p, dot(wo, geometric_normal) >= 0.0f, smallest_alpha)) {
   wo_.z = std::max(wo_.z, 1e-6f);  // wo may lie in the surface to within rounding
 }
 

@@ -16,8 +16,9 @@ namespace morsel::render {
 // here, and one case in make_lobe (bsdf.cpp).
 using Lobe = std::variant<Diffuse, Conductor, Dielectric>;
 
-// The lobe of `material` at world position `p`, seen from the outside or the inside.
-Lobe make_lobe(const Material& material, const V3f& p, bool outside);
+// The lobe of `material` at world position `p`, seen from the outside or the inside. Its GGX alpha
+// is at least `smallest_alpha`.
+Lobe make_lobe(const Material& material, const V3f& p, bool outside, float smallest_alpha = 0.0f);
 
 // A lobe at a point of a surface; directions are unit vectors in world space.
 //
@@ -32,13 +33,16 @@ class Bsdf {
  public:
   // `geometric_normal` is outward, `shading_normal` in the same hemisphere, both unit.
   Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
-       const V3f& shading_normal, const V3f& wo);
+       const V3f& shading_normal, const V3f& wo, float smallest_alpha = 0.0f);
 
   // As LobeValue and LobeSample, but with wi in world space.
   LobeValue evaluate(const V3f& wi) const;
   std::optional<LobeSample> sample(float choice, const V2f& u) const;
   bool delta() const {
     return std::visit([](const auto& lobe) { return lobe.delta(); }, lobe_);
+  }
+  float spread() const {
+    return std::visit([](const auto& lobe) { return lobe.spread(); }, lobe_);
   }
   V3f albedo() const {
     return std::visit([](const auto& lobe) { return lobe.albedo(); }, lobe_);

@@ -20,6 +20,7 @@ class Conductor {
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
   bool delta() const { return alpha_ < Ggx::kSmallestAlpha; }
+  float spread() const { return alpha_; }
   V3f albedo() const { return reflectance_; }
 
  private:

@@ -19,6 +19,7 @@ class Dielectric {
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
   // Facets between equal media do nothing, whatever their shape.
   bool delta() const { return alpha_ < Ggx::kSmallestAlpha || std::abs(eta_ - 1.0f) < 1e-4f; }
+  float spread() const { return alpha_; }
   V3f albedo() const { return V3f(1.0f); }
 
  private:

@@ -22,6 +22,7 @@ class Diffuse {
     return LobeSample{.wi = wi, .weight = albedo_, .pdf = wi.z * kInvPi};
   }
   bool delta() const { return false; }
+  float spread() const { return 1.0f; }
   V3f albedo() const { return albedo_; }
 
  private:

@@ -12,6 +12,7 @@
 //   LobeValue evaluate(wo, wi) const;   zero for a delta lobe
 //   std::optional<LobeSample> sample(wo, choice, u) const;   random numbers in [0, 1)
 //   bool delta() const;      reflects and refracts in single directions only
+//   float spread() const;    how far it scatters, as GGX's alpha: 0 a mirror, 1 diffuse
 //   V3f albedo() const;      colour for the denoiser, in [0, 1]
 namespace morsel::render {
 

@@ -42,6 +42,7 @@ struct PathTracer::State {
   float previous_pdf = 0.0f;
   bool previous_delta = true;
   bool previous_split = false;  // there were two light samples, one for each group
+  float smallest_alpha = 0.0f;  // regularization: of lobes to come
   // Albedo and normal wait for the first vertex that is not a delta lobe.
   bool features_open = true;
   V3f feature_tint{1.0f};
@@ -147,7 +148,7 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
 
     const V3f wo = -state.ray.direction;
     const Bsdf bsdf(scene_.materials[hit.material], hit.p, hit.geometric_normal, hit.shading_normal,
-                    wo);
+                    wo, state.smallest_alpha);
     const bool delta = bsdf.delta();
     if (state.features_open && !delta) {
       state.features_open = false;
@@ -177,6 +178,8 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
       if (sampler.get_1d(dimension(state.vertex, kRoulette)) >= survival) break;
       state.throughput /= survival;
     }
+    state.smallest_alpha =
+        std::max(state.smallest_alpha, scene_.settings.regularization * bsdf.spread());
     state.previous_p = hit.p;
     state.previous_pdf = scattered->pdf;
     state.previous_delta = scattered->delta;

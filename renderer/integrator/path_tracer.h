@@ -13,7 +13,9 @@ namespace morsel::render {
 
 // Unidirectional path tracing: at every vertex one direction towards a light and one by the BSDF,
 // combined with the power heuristic (Veach 1997). At the first vertex, where most of the noise
-// comes from, the environment and the rectangles get a light sample each. Holds references only;
+// comes from, the environment and the rectangles get a light sample each. Narrow lobes are widened
+// after wide ones (RenderSettings::regularization; the idea is Kaplanyan & Dachsbacher's, "Path
+// Space Regularization for Holistic and Robust Light Transport", 2013). Holds references only;
 // thread-safe.
 class PathTracer {
  public:

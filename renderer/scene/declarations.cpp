@@ -157,7 +157,13 @@ const Declaration& render_declaration() {
         .help = "exposure of the PNG preview; the EXR is unchanged",
         .unit = "stops",
         .min = -40.0,
-        .max = 40.0}}};
+        .max = 40.0},
+       {.name = "regularization",
+        .default_value = 0.25,
+        .help = "blurs caustics: what is seen by way of a rougher surface is taken to be at least "
+                "this share as rough; 0 is exact",
+        .min = 0.0,
+        .max = 1.0}}};
   return declaration;
 }
 

@@ -113,6 +113,7 @@ RenderSettings read_settings(const json& object, const Place& place) {
   settings.max_depth = static_cast<int>(reader.integer("max_depth"));
   settings.seed = static_cast<std::uint32_t>(reader.integer("seed"));
   settings.exposure = static_cast<float>(reader.number("exposure"));
+  settings.regularization = static_cast<float>(reader.number("regularization"));
   return settings;
 }
 

@@ -15,8 +15,9 @@ namespace morsel::geom {
 class HypertextureGeometry;
 }
 
-// A scene as plain data: what the loader makes and the integrator reads. Indices refer to the vectors of Scene.
-// World space is right-handed; lengths are scene units; colours are scene-linear Rec. 709.
+// A scene as plain data: what the loader makes and the integrator reads. Indices refer to the
+// vectors of Scene. World space is right-handed; lengths are scene units; colours are scene-linear
+// Rec. 709.
 namespace morsel::render {
 
 enum class MaterialType { kDiffuse, kConductor, kDielectric };
@@ -24,11 +25,13 @@ enum class MaterialType { kDiffuse, kConductor, kDielectric };
 struct Material {
   std::string name;
   MaterialType type = MaterialType::kDiffuse;
-  Imath::V3f color{0.5f};      // diffuse albedo; conductor: reflectance at normal incidence; dielectric: transmission tint
-  float roughness = 0.0f;      // perceptual, alpha = roughness^2; 0 is a perfect mirror or clear glass
-  float ior = 1.5f;            // dielectric
-  std::optional<Imath::V3f> checker_color;  // diffuse: second colour of a checkerboard in world x, z
-  float checker_size = 1.0f;                // side of one square
+  Imath::V3f color{0.5f};  // diffuse albedo; conductor: reflectance at normal incidence;
+                           // dielectric: transmission tint
+  float roughness = 0.0f;  // perceptual, alpha = roughness^2; 0 is a perfect mirror or clear glass
+  float ior = 1.5f;        // dielectric
+  std::optional<Imath::V3f>
+      checker_color;          // diffuse: second colour of a checkerboard in world x, z
+  float checker_size = 1.0f;  // side of one square
 };
 
 struct TriangleMesh {
@@ -47,14 +50,15 @@ struct Instance {
   std::string name;
   std::uint32_t geometry = 0;
   std::uint32_t material = 0;
-  std::optional<std::uint32_t> detached_material;  // hypertexture: for components other than the main one
-  Imath::M44d object_to_world;                     // row vectors: p' = p * M, as Imath has it
+  std::optional<std::uint32_t>
+      detached_material;        // hypertexture: for components other than the main one
+  Imath::M44d object_to_world;  // row vectors: p' = p * M, as Imath has it
 };
 
 struct EnvironmentLight {
-  std::string file;              // absolute path of a lat-long image; empty: constant
-  Imath::V3f radiance{1.0f};     // multiplies the image
-  float rotation = 0.0f;         // degrees about +y
+  std::string file;           // absolute path of a lat-long image; empty: constant
+  Imath::V3f radiance{1.0f};  // multiplies the image
+  float rotation = 0.0f;      // degrees about +y
   bool visible_to_camera = true;
 };
 
@@ -79,10 +83,13 @@ struct Crop {
 struct RenderSettings {
   int width = 960, height = 540;
   int spp = 64;
-  int max_depth = 8;     // path vertices beyond the first hit
+  int max_depth = 8;  // path vertices beyond the first hit
   std::uint32_t seed = 0;
   std::optional<Crop> crop;
   float exposure = 0.0f;  // stops; PNG preview only
+  // Reflections and refractions that are seen by way of rougher surfaces are widened to at least
+  // this share of their roughness: blurs caustics, which else are grains. 0: exact.
+  float regularization = 0.25f;
 };
 
 struct Scene {

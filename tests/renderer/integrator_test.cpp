@@ -276,6 +276,52 @@ TEST(Features, DepthIsAlongTheCamerasAxis) {
     }
 }
 
+// Widening lobes blurs light, it must not lose or make any that matters: a white metal in a white
+// furnace stays white, and what the camera sees directly is not touched.
+TEST(Regularization, KeepsEnergyAndDirectViews) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(1.0f));
+  add_material(scene, MaterialType::kConductor, V3f(1.0f), 0.05f);
+  add_mesh(scene, plane_mesh(3.0f, -1.0f), 0);
+  add_mesh(scene, sphere_mesh(4), 1);
+  add_constant_environment(scene, 1.0f);
+  scene.camera.position = V3f(0, 2, 5);
+  set_image(scene, 32, 32, 64, 64);
+  for (const float share : {0.0f, 0.25f, 1.0f}) {
+    scene.settings.regularization = share;
+    const Mean m = mean_of(render(scene).film);
+    EXPECT_NEAR(m.value, 1.0, 4.0 * m.error + 0.01) << share;
+  }
+  // Only metal: nothing is seen by way of anything rougher.
+  scene.instances.erase(scene.instances.begin());
+  scene.settings.spp = 4;
+  scene.settings.regularization = 0.0f;
+  const RenderResult exact = render(scene);
+  scene.settings.regularization = 1.0f;
+  const RenderResult widened = render(scene);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) EXPECT_EQ(exact.film.at(x, y).color, widened.film.at(x, y).color);
+}
+
+TEST(Regularization, MakesCausticsCalmer) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
+  add_material(scene, MaterialType::kConductor, V3f(0.9f), 0.1f);
+  add_mesh(scene, plane_mesh(6.0f, -1.0f), 0);
+  add_mesh(scene, sphere_mesh(3, true), 1);
+  add_rectangle(scene, V3f(-3, 3, -0.2f), V3f(0.4f, 0.4f, 0), V3f(0, 0, 0.4f), 100.0f);
+  scene.camera.position = V3f(-2.5f, 1, 4);
+  scene.camera.look_at = V3f(-1.5f, -1, 0);
+  scene.camera.vertical_fov = 20.0f;
+  set_image(scene, 32, 32, 64);
+  scene.settings.regularization = 0.0f;
+  const Mean exact = mean_of(render(scene).film);
+  scene.settings.regularization = 0.25f;
+  const Mean calm = mean_of(render(scene).film);
+  EXPECT_LT(calm.error, 0.7 * exact.error);
+  EXPECT_NEAR(calm.value, exact.value, 0.1 * exact.value + 4.0 * exact.error);
+}
+
 TEST(Visibility, LightsAndEnvironmentCanHideFromTheCameraButStillShine) {
   Scene scene;
   add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
