@@ -56,7 +56,8 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   const V3d e1 = p1 - p0, e2 = p2 - p0;
   const V3d scaled_normal = e1.cross(e2);
   const double area = std::sqrt(scaled_normal.dot(scaled_normal));
-  const V3d n = scaled_normal / area;
+  // A triangle without area cannot be hit; should rounding have it otherwise, nothing goes NaN.
+  const V3d n = area > 0.0 ? scaled_normal / area : V3d(0.0, 0.0, 1.0);
   const V3d world = transform.point_to_world(local);
   s.p = V3f(world);
   double stretch;
@@ -70,7 +71,8 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   const double from_transform =
       error.x * std::abs(n.x) + error.y * std::abs(n.y) + error.z * std::abs(n.z);
   const double size = std::sqrt(std::max(e1.dot(e1), e2.dot(e2)));
-  const double slimness = std::min(100.0, std::max(1.0, std::sqrt(e1.dot(e1) * e2.dot(e2)) / area));
+  const double slimness =
+      std::min(100.0, std::max(1.0, std::sqrt(e1.dot(e1) * e2.dot(e2)) / std::max(area, 1e-300)));
   const double magnitude = std::max(std::max(max_abs(V3f(p0)), max_abs(V3f(p1))), max_abs(V3f(p2)));
   const double in_object = from_transform + 0x1p-24 * (8.0 * size * slimness + 2.0 * magnitude);
   set_spawn_points(world, world_normal, in_object / stretch, s);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <stdexcept>
 
 namespace morsel::render {
@@ -37,8 +38,10 @@ Pixel PixelAccumulator::result() const {
   pixel.depth = depth_;
   pixel.component = component_;
   // One sample says nothing about its variance; the sample itself is the only scale there is.
-  pixel.variance =
-      samples_ > 1 ? V3f(squared_deviation_ / (n * (n - 1.0))) : pixel.color * pixel.color;
+  const Imath::V3d variance = samples_ > 1 ? squared_deviation_ / (n * (n - 1.0)) : color_ * color_;
+  for (int i = 0; i < 3; ++i)
+    pixel.variance[i] =
+        static_cast<float>(std::min(variance[i], double{std::numeric_limits<float>::max()}));
   return pixel;
 }
 

@@ -74,15 +74,17 @@ class TileRenderer {
     const int y0 = window.y0 + (tile / columns_) * kTileSize;
     const int x1 = std::min(x0 + kTileSize, window.x1), y1 = std::min(y0 + kTileSize, window.y1);
     TileCounts counts;
+    bool complete = true;
     {
       const FlushDenormals flush;
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
-          if (stopped()) break;
+          complete = complete && !stopped();
+          if (!complete) break;
           result_.film.at(x, y) = render_pixel(tracer_, settings_, x, y, counts);
         }
     }
-    finish(counts);
+    finish(counts, complete);
   }
 
  private:
@@ -90,7 +92,7 @@ class TileRenderer {
     return options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed);
   }
 
-  void finish(const TileCounts& counts) {
+  void finish(const TileCounts& counts, bool complete) {
     const std::lock_guard lock(mutex_);
     RenderStatistics& s = result_.statistics;
     s.rays.camera += counts.rays.camera;
@@ -98,7 +100,7 @@ class TileRenderer {
     s.rays.shadow += counts.rays.shadow;
     s.samples += counts.samples;
     s.non_finite_samples += counts.non_finite;
-    if (stopped()) {
+    if (!complete) {
       result_.cancelled = true;
       return;
     }

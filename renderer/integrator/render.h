@@ -46,7 +46,7 @@ struct RenderStatistics {
 struct RenderResult {
   Film film;  // pixels that were not reached have samples == 0
   RenderStatistics statistics;
-  bool cancelled = false;
+  bool cancelled = false;  // before all pixels were done
 };
 
 // Renders the scene's crop (or everything). The same scene gives the same pixels whatever the

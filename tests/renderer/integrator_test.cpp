@@ -350,6 +350,24 @@ TEST(Visibility, LightsAndEnvironmentCanHideFromTheCameraButStillShine) {
   EXPECT_GT(brightest(hidden, 16, 32), 1.0f);
 }
 
+// Light beyond what float holds: the sums overflow, and no pixel shows it.
+TEST(Render, NonFiniteSamplesAreCountedAndNeverWritten) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 4;
+  scene.rectangles[0].radiance = V3f(3e38f);
+  scene.environment->radiance = V3f(3e38f);
+  const RenderResult result = render(scene);
+  EXPECT_GT(result.statistics.non_finite_samples, 0u);
+  EXPECT_LT(result.statistics.non_finite_samples, result.statistics.samples);
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 48; ++x) {
+      const Pixel& p = result.film.at(x, y);
+      ASSERT_TRUE(is_finite(p.color) && is_finite(p.variance) && is_finite(p.albedo) &&
+                  is_finite(p.normal) && std::isfinite(p.depth))
+          << x << ", " << y;
+    }
+}
+
 TEST(Render, CanBeCancelledAndReportsProgress) {
   Scene scene = mixed_scene();
   scene.settings.spp = 2;
