@@ -18,8 +18,8 @@ constexpr int kThird[3][3][3] = {
 };
 
 // Roundings that one value computed here goes through, times a safety factor of about two: no
-// expression below has more than 30.
-constexpr double kSlack = 64.0 * std::numeric_limits<double>::epsilon();
+// expression below has more than 40 in a row.
+constexpr double kSlack = 96.0 * std::numeric_limits<double>::epsilon();
 // Covers products that underflow, with flush-to-zero or without.
 constexpr double kUnderflow = 1e-290;
 
@@ -35,6 +35,25 @@ inline void add_parabola(double a, double b, double h, double& lo, double& hi) {
   lo += low;
   hi += high;
 }
+
+// Bernstein coefficients on [-1, 1] of a[0] + a[1] v + a[2] v^2 + a[3] v^3.
+struct Bernstein {
+  double b[4];
+};
+inline Bernstein bernstein(double a0, double a1, double a2, double a3) {
+  constexpr double kThirdPart = 1.0 / 3.0;
+  const double even = a0 + a2, odd = a1 + a3;
+  const double even_inner = a0 - kThirdPart * a2, odd_inner = kThirdPart * a1 - a3;
+  return {{even - odd, even_inner - odd_inner, even_inner + odd_inner, even + odd}};
+}
+
+// Index of x^i y^j z^k, i + j + k <= 3; -1 beyond.
+constexpr int kPower[4][4][4] = {
+    {{k1, kZ, kZZ, kZZZ}, {kY, kYZ, kYZZ, -1}, {kYY, kYYZ, -1, -1}, {kYYY, -1, -1, -1}},
+    {{kX, kXZ, kXZZ, -1}, {kXY, kXYZ, -1, -1}, {kXYY, -1, -1, -1}, {-1, -1, -1, -1}},
+    {{kXX, kXXZ, -1, -1}, {kXXY, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}},
+    {{kXXX, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}, {-1, -1, -1, -1}},
+};
 
 }  // namespace
 
@@ -84,7 +103,7 @@ Imath::V3d LocalModel::gradient_at(const Imath::V3d& u) const {
   return g;
 }
 
-Interval LocalModel::range() const {
+Interval LocalModel::plain_range() const {
   const double hx = half.x, hy = half.y, hz = half.z;
   double lo = c[k1] - value_error, hi = c[k1] + value_error;
   add_parabola(c[kX], c[kXX], hx, lo, hi);
@@ -104,22 +123,109 @@ Interval LocalModel::range() const {
   return {lo, hi};
 }
 
+Interval LocalModel::bernstein_range() const {
+  // The polynomial lies in the convex hull of its tensor Bernstein coefficients, which are found
+  // axis by axis.
+  const double hx = half.x, hy = half.y, hz = half.z;
+  double after_x[4][4][4];  // [x coefficient][power of y][power of z]
+  for (int j = 0; j < 4; ++j) {
+    for (int k = 0; j + k < 4; ++k) {
+      double a[4] = {};
+      double scale = (j > 0 ? hy : 1.0) * (j > 1 ? hy : 1.0) * (j > 2 ? hy : 1.0) *
+                     (k > 0 ? hz : 1.0) * (k > 1 ? hz : 1.0) * (k > 2 ? hz : 1.0);
+      for (int i = 0; i + j + k < 4; ++i, scale *= hx) a[i] = c[kPower[i][j][k]] * scale;
+      const Bernstein b = bernstein(a[0], a[1], a[2], a[3]);
+      for (int i = 0; i < 4; ++i) after_x[i][j][k] = b.b[i];
+    }
+  }
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  for (int i = 0; i < 4; ++i) {
+    double after_y[4][4];  // [y coefficient][power of z]
+    for (int k = 0; k < 4; ++k) {
+      const Bernstein b = bernstein(after_x[i][0][k], k < 3 ? after_x[i][1][k] : 0.0,
+                                    k < 2 ? after_x[i][2][k] : 0.0, k < 1 ? after_x[i][3][k] : 0.0);
+      for (int j = 0; j < 4; ++j) after_y[j][k] = b.b[j];
+    }
+    for (int j = 0; j < 4; ++j) {
+      const Bernstein b = bernstein(after_y[j][0], after_y[j][1], after_y[j][2], after_y[j][3]);
+      for (const double value : b.b) {
+        if (std::isnan(value)) return Interval::whole();
+        lo = std::min(lo, value);
+        hi = std::max(hi, value);
+      }
+    }
+  }
+  return {lo - value_error, hi + value_error};
+}
+
+Interval LocalModel::range() const {
+  const Interval plain = plain_range();
+  if (!(plain.lo < 0.0 && plain.hi >= 0.0)) return plain;
+  // Along an axis where F is monotone its extremes lie on the two faces.
+  LocalModel low = *this, high = *this;
+  bool monotone = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (half[axis] == 0.0) continue;
+    const Interval slope = gradient_range(axis);
+    if (slope.lo < 0.0 && slope.hi > 0.0) continue;
+    monotone = true;
+    const int side = slope.lo >= 0.0 ? 1 : -1;
+    low = low.on_face(axis, -side);
+    high = high.on_face(axis, side);
+  }
+  if (!monotone) {
+    const Interval tight = low.bernstein_range();
+    return {std::max(plain.lo, tight.lo), std::min(plain.hi, tight.hi)};
+  }
+  return {std::max(plain.lo, low.bernstein_range().lo),
+          std::min(plain.hi, high.bernstein_range().hi)};
+}
+
 Interval LocalModel::gradient_range(int a) const {
-  const double error = gradient_error[a];
-  double lo = c[kX + a] - error, hi = c[kX + a] + error;
+  // dP/dx_a = constant + linear.u + sum of square[j] u_j^2 and cross[j] u_j' u_j'' (the other two
+  // axes).
+  const double constant = c[kX + a];
+  double linear[3], square[3], cross[3];
   for (int j = 0; j < 3; ++j) {
-    const double linear = (j == a ? 2.0 : 1.0) * c[kSecond[a][j]];
-    const double square = (j == a ? 3.0 : 1.0) * c[kThird[a][j][j]];
-    add_parabola(linear, square, half[j], lo, hi);
-    for (int k = j + 1; k < 3; ++k) {
-      const double rest =
-          (1.0 + (a == j) + (a == k)) * std::abs(c[kThird[a][j][k]]) * half[j] * half[k];
+    linear[j] = (j == a ? 2.0 : 1.0) * c[kSecond[a][j]];
+    square[j] = (j == a ? 3.0 : 1.0) * c[kThird[a][j][j]];
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    cross[j] = (1.0 + (a == k) + (a == l)) * c[kThird[a][k][l]];
+  }
+  const double error = gradient_error[a];
+  Interval result;
+  for (const int side : {-1, 1}) {  // the lower end, then the upper
+    double f = constant, g[3] = {linear[0], linear[1], linear[2]};
+    double x[3] = {cross[0], cross[1], cross[2]};
+    bool fixed[3] = {};
+    for (int j = 0; j < 3; ++j) {
+      // Along an axis where this derivative is monotone its extreme lies at an end.
+      const int k = (j + 1) % 3, l = (j + 2) % 3;
+      const double reach = 2.0 * std::abs(square[j]) * half[j] +
+                           std::abs(x[l]) * (fixed[k] ? 0.0 : half[k]) +
+                           std::abs(x[k]) * (fixed[l] ? 0.0 : half[l]);
+      if (std::abs(g[j]) < reach) continue;
+      const double t = (g[j] >= 0.0 ? side : -side) * half[j];
+      f += t * (g[j] + t * square[j]);
+      if (!fixed[k]) g[k] += t * x[l];
+      if (!fixed[l]) g[l] += t * x[k];
+      x[k] = x[l] = 0.0;
+      fixed[j] = true;
+    }
+    double lo = f, hi = f;
+    for (int j = 0; j < 3; ++j) {
+      if (!fixed[j]) add_parabola(g[j], square[j], half[j], lo, hi);
+      const double rest = std::abs(x[j]) * half[(j + 1) % 3] * half[(j + 2) % 3];
       lo -= rest;
       hi += rest;
     }
+    if (side < 0)
+      result.lo = lo - error;
+    else
+      result.hi = hi + error;
   }
-  if (std::isnan(lo) || std::isnan(hi)) return Interval::whole();
-  return {lo, hi};
+  if (std::isnan(result.lo) || std::isnan(result.hi)) return Interval::whole();
+  return result;
 }
 
 Interval LocalModel::hessian_range(int i, int j) const {
