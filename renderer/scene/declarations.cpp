@@ -159,9 +159,9 @@ const Declaration& render_declaration() {
         .min = -40.0,
         .max = 40.0},
        {.name = "regularization",
-        .default_value = 0.25,
+        .default_value = 0.0,
         .help = "blurs caustics: what is seen by way of a rougher surface is taken to be at least "
-                "this share as rough; 0 is exact",
+                "this share as rough; 0 is exact and the default",
         .min = 0.0,
         .max = 1.0}}};
   return declaration;

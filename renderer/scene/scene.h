@@ -89,7 +89,7 @@ struct RenderSettings {
   float exposure = 0.0f;  // stops; PNG preview only
   // Reflections and refractions that are seen by way of rougher surfaces are widened to at least
   // this share of their roughness: blurs caustics, which else are grains. 0: exact.
-  float regularization = 0.25f;
+  float regularization = 0.0f;
 };
 
 struct Scene {
