@@ -58,6 +58,17 @@ ModulationEntry fbm() {
           }};
 }
 
+template <class Entry>
+const Entry& entry_of(const std::vector<Entry>& entries, const nlohmann::json& object,
+                      const params::Place& place) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) names.push_back(e.declaration.name);
+  const std::string type = params::type_of(object, names, place);
+  for (const Entry& e : entries)
+    if (e.declaration.name == type) return e;
+  throw std::logic_error("type_of returned an unknown type");
+}
+
 }  // namespace
 
 const std::vector<DensityEntry>& densities() {
@@ -68,6 +79,20 @@ const std::vector<DensityEntry>& densities() {
 const std::vector<ModulationEntry>& modulations() {
   static const std::vector<ModulationEntry> all{fbm()};
   return all;
+}
+
+const DensityEntry& density_entry(const nlohmann::json& object, const params::Place& place) {
+  return entry_of(densities(), object, place);
+}
+
+const ModulationEntry& modulation_entry(const nlohmann::json& object, const params::Place& place) {
+  return entry_of(modulations(), object, place);
+}
+
+std::unique_ptr<Expression> density_from_json(const nlohmann::json& json,
+                                              const params::Place& place) {
+  const DensityEntry& entry = density_entry(json, place);
+  return entry.make(JsonReader(json, entry.declaration, place));
 }
 
 }  // namespace morsel::geom
