@@ -154,8 +154,8 @@ class SparseConvolution final : public Expression {
       for (std::int64_t j = lo[1]; j <= hi[1]; ++j)
         for (std::int64_t i = lo[0]; i <= hi[0]; ++i)
           for (int n = 0; n < parameters.impulses_per_cell; ++n) {
-            const CellImpulse c =
-                cell_impulse(i, j, k, static_cast<std::uint32_t>(n), octave, parameters.seed);
+            const CellImpulse c = cell_impulse(i, j, k, static_cast<std::uint32_t>(n),
+                                               parameters.first_octave + octave, parameters.seed);
             p.centre = Imath::V3d((static_cast<double>(i) + c.x) / o.frequency,
                                   (static_cast<double>(j) + c.y) / o.frequency,
                                   (static_cast<double>(k) + c.z) / o.frequency);
