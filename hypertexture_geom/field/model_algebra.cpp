@@ -21,19 +21,6 @@ constexpr double kUnderflow = 1e-290;
 // A bound made by multiplications: infinite rather than NaN.
 double or_infinity(double x) { return x >= 0.0 ? x : kInfinity; }
 
-void forget_nans(LocalModel& m) {
-  for (const double c : m.c)
-    if (!std::isfinite(c)) {
-      m.c = {};
-      m.value_error = kInfinity;
-      m.gradient_error = Imath::V3d(kInfinity);
-      m.hessian_error = kInfinity;
-    }
-  m.value_error = or_infinity(m.value_error);
-  for (int i = 0; i < 3; ++i) m.gradient_error[i] = or_infinity(m.gradient_error[i]);
-  m.hessian_error = or_infinity(m.hessian_error);
-}
-
 LocalModel finished(LocalModel m) {
   forget_nans(m);
   m.add_rounding();
@@ -67,6 +54,19 @@ void add_outer_remainder(LocalSeries& series, const Derivatives& f, double value
 }
 
 }  // namespace
+
+void forget_nans(LocalModel& m) {
+  for (const double c : m.c)
+    if (!std::isfinite(c)) {
+      m.c = {};
+      m.value_error = kInfinity;
+      m.gradient_error = Imath::V3d(kInfinity);
+      m.hessian_error = kInfinity;
+    }
+  m.value_error = or_infinity(m.value_error);
+  for (int i = 0; i < 3; ++i) m.gradient_error[i] = or_infinity(m.gradient_error[i]);
+  m.hessian_error = or_infinity(m.hessian_error);
+}
 
 LocalModel empty_model(const Box& box) {
   LocalModel m;

@@ -12,6 +12,10 @@ namespace morsel::geom {
 // whatever the rounding of the centre.
 topology::LocalModel empty_model(const topology::Box& box);
 
+// Makes errors that are NaN infinite, and all of them if a coefficient is not finite: what
+// overflow leaves behind says nothing, and must say so.
+void forget_nans(topology::LocalModel& m);
+
 // The function that is `value` everywhere, to within `error`.
 topology::LocalModel constant_model(const topology::Box& box, double value, double error = 0.0);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/field/registry.h"
 
-#include "hypertexture_geom/field/density_sphere.h"
 #include "hypertexture_geom/field/fbm.h"
 
 namespace morsel::geom {
@@ -10,60 +9,36 @@ namespace {
 using params::JsonReader;
 using params::Type;
 
-DensityEntry sphere() {
-  return {{"sphere",
-           "Sphere: radius - sqrt(|x - center|^2 + smoothing^2).",
-           {{"type", Type::kString, "sphere", "Kind of density."},
-            {"center", Type::kVector3, {0.0, 0.0, 0.0}, "Centre.", "length"},
-            {"radius", Type::kNumber, 1.0, "Radius.", "length", 0.0, 1e6, true},
-            {"smoothing", Type::kNumber, 0.01, "Rounds the apex at the centre.",
-             "length", 1e-6, 1e6}}},
-          [](const JsonReader &r) {
-            return make_sphere(r.vector3("center"), r.number("radius"),
-                               r.number("smoothing"));
-          }};
-}
-
 template <class Entry>
-const Entry &entry_of(const std::vector<Entry> &entries,
-                      const nlohmann::json &object,
-                      const params::Place &place) {
+const Entry& entry_of(const std::vector<Entry>& entries, const nlohmann::json& object,
+                      const params::Place& place) {
   std::vector<std::string> names;
-  for (const Entry &e : entries)
-    names.push_back(e.declaration.name);
+  for (const Entry& e : entries) names.push_back(e.declaration.name);
   const std::string type = params::type_of(object, names, place);
-  for (const Entry &e : entries)
-    if (e.declaration.name == type)
-      return e;
+  for (const Entry& e : entries)
+    if (e.declaration.name == type) return e;
   throw std::logic_error("type_of returned an unknown type");
 }
 
-} // namespace
+}  // namespace
 
-const std::vector<DensityEntry> &densities() {
-  static const std::vector<DensityEntry> all{sphere()};
-  return all;
-}
-
-const std::vector<ModulationEntry> &modulations() {
+const std::vector<ModulationEntry>& modulations() {
   static const std::vector<ModulationEntry> all{fbm_entry()};
   return all;
 }
 
-const DensityEntry &density_entry(const nlohmann::json &object,
-                                  const params::Place &place) {
+const DensityEntry& density_entry(const nlohmann::json& object, const params::Place& place) {
   return entry_of(densities(), object, place);
 }
 
-const ModulationEntry &modulation_entry(const nlohmann::json &object,
-                                        const params::Place &place) {
+const ModulationEntry& modulation_entry(const nlohmann::json& object, const params::Place& place) {
   return entry_of(modulations(), object, place);
 }
 
-std::unique_ptr<Expression> density_from_json(const nlohmann::json &json,
-                                              const params::Place &place) {
-  const DensityEntry &entry = density_entry(json, place);
+std::unique_ptr<Expression> density_from_json(const nlohmann::json& json,
+                                              const params::Place& place) {
+  const DensityEntry& entry = density_entry(json, place);
   return entry.make(JsonReader(json, entry.declaration, place));
 }
 
-} // namespace morsel::geom
+}  // namespace morsel::geom

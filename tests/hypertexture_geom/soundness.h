@@ -42,14 +42,17 @@ inline double hessian_at(const topology::LocalModel& m, const Imath::V3d& u, int
   return point.hessian_range(i, j).middle();
 }
 
-// Samples random boxes with centres within `reach`, of widths 1/2 to 2^-20 of which some are flat,
-// at corners and within. `scale` < 1 weakens the bounds, to show that the test would notice.
+// Samples random boxes with centres within `reach` of `about`, of widths 1/2 to 2^-20 of which some
+// are flat, at corners and within. `scale` < 1 weakens the bounds, to show that the test would
+// notice.
 inline Outside count_outside(const topology::ScalarField& field, std::mt19937_64& random, int boxes,
-                             int samples, double scale = 1.0, double reach = 2.5) {
+                             int samples, double scale = 1.0, double reach = 2.5,
+                             const Imath::V3d& about = Imath::V3d(0.0)) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   Outside outside;
   for (int n = 0; n < boxes; ++n) {
-    const Imath::V3d c(reach * unit(random), reach * unit(random), reach * unit(random));
+    const Imath::V3d c =
+        about + Imath::V3d(reach * unit(random), reach * unit(random), reach * unit(random));
     const double width = std::ldexp(1.0, -1 - static_cast<int>(random() % 20));
     Imath::V3d half(width, width, width);
     if (n % 3 == 1)
