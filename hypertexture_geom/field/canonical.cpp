@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "hypertexture_geom/field/mask.h"
 #include "hypertexture_geom/field/registry.h"
 
 namespace morsel::geom {
@@ -39,6 +40,8 @@ json canonical_item(const json& value, const Parameter& p, const Place& place, i
     return canonical_at(value, density_entry(value, place).declaration, place, depth + 1);
   if (p.kind == "modulation")
     return canonical_at(value, modulation_entry(value, place).declaration, place, depth + 1);
+  if (p.kind == "mask")
+    return canonical_at(value, mask_declaration(value, place), place, depth + 1);
   if (!p.kind.empty()) throw std::logic_error("parameter of unknown kind " + p.kind);
   return value;
 }

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/field/registry.h"
 
+#include "hypertexture_geom/field/bias.h"
 #include "hypertexture_geom/field/fbm.h"
+#include "hypertexture_geom/field/gain.h"
+#include "hypertexture_geom/field/ridged.h"
+#include "hypertexture_geom/field/scale_offset.h"
+#include "hypertexture_geom/field/turbulence.h"
+#include "hypertexture_geom/field/warp.h"
 
 namespace morsel::geom {
 namespace {
@@ -23,7 +29,9 @@ const Entry& entry_of(const std::vector<Entry>& entries, const nlohmann::json& o
 }  // namespace
 
 const std::vector<ModulationEntry>& modulations() {
-  static const std::vector<ModulationEntry> all{fbm_entry()};
+  static const std::vector<ModulationEntry> all{
+      fbm_entry(),  turbulence_entry(),   ridged_entry(), bias_entry(),
+      gain_entry(), scale_offset_entry(), warp_entry()};
   return all;
 }
 

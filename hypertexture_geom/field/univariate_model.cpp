@@ -166,17 +166,14 @@ UnivariateModel sqrt_model(double centre, Interval range, double least) {
 
 namespace {
 
-// Derivatives 0 to 6 of sqrt(t^2 + k^2) - k with x = t / k: k^(1 - n) times a function of x alone.
-// Those of odd order are odd functions.
-struct Hyperbola {
-  Interval d[7];
-};
-
 Interval clamped(Interval x, double bound) {
   return {std::max(x.lo, -bound), std::min(x.hi, bound)};
 }
 
-Hyperbola hyperbola(Interval t, double k) {
+}  // namespace
+
+// With x = t / k these are k^(1 - n) times functions of x alone; those of odd order are odd.
+std::array<Interval, 7> smooth_abs_ranges(Interval t, double k) {
   const Interval kk = constant(k), one = constant(1.0);
   const Interval x = t / kk, square = topology::square(x);
   const Interval r = topology::sqrt(one + square), inverse = one / r,
@@ -189,46 +186,50 @@ Hyperbola hyperbola(Interval t, double k) {
   };
   const Interval sign = clamped(topology::hull(sign_at(t.lo), sign_at(t.hi)), 1.0);
   const Interval i3 = inverse * i2, i4 = i2 * i2;
-  Hyperbola h;
+  std::array<Interval, 7> h;
   // x^2 / (r + 1) rather than r - 1: no cancellation near 0.
-  h.d[0] = std::isinf(t.magnitude()) ? Interval{0.0, kInfinity} : kk * (square / (r + one));
-  if (h.d[0].lo < 0.0) h.d[0].lo = 0.0;
-  h.d[1] = sign;
-  h.d[2] = i3 / kk;
+  h[0] = std::isinf(t.magnitude()) ? Interval{0.0, kInfinity} : kk * (square / (r + one));
+  if (h[0].lo < 0.0) h[0].lo = 0.0;
+  h[1] = sign;
+  h[2] = i3 / kk;
   // With s = x / r: s^2 + 1 / r^2 = 1.
   const Interval k2 = kk * kk, s2 = clamped(topology::square(sign), 1.0);
-  h.d[3] = constant(-3.0) * sign * i4 / k2;
-  h.d[4] = constant(3.0) * (constant(4.0) * s2 - i2) * (i4 * inverse) / (k2 * kk);
-  h.d[5] =
-      constant(15.0) * sign * (constant(3.0) * i2 - constant(4.0) * s2) * (i4 * i2) / (k2 * k2);
-  h.d[6] = constant(45.0) * (i4 - constant(12.0) * i2 * s2 + constant(8.0) * s2 * s2) * (i4 * i3) /
-           (k2 * k2 * kk);
+  h[3] = constant(-3.0) * sign * i4 / k2;
+  h[4] = constant(3.0) * (constant(4.0) * s2 - i2) * (i4 * inverse) / (k2 * kk);
+  h[5] = constant(15.0) * sign * (constant(3.0) * i2 - constant(4.0) * s2) * (i4 * i2) / (k2 * k2);
+  h[6] = constant(45.0) * (i4 - constant(12.0) * i2 * s2 + constant(8.0) * s2 * s2) * (i4 * i3) /
+         (k2 * k2 * kk);
   return h;
 }
 
-// The derivatives of order `first` and up as Taylor data, order 0 being `value`.
-TaylorData hyperbola_data(Interval range, double k, int first) {
+UnivariateModel univariate_model(double centre, Interval range,
+                                 const std::function<DerivativeRanges(Interval)>& f) {
+  const DerivativeRanges all = f(range);
   TaylorData data;
-  const Hyperbola all = hyperbola(range, k);
-  data.value = all.d[first];
-  data.slope = all.d[first + 1];
-  data.bend = all.d[first + 2];
-  if (!std::isfinite(range.width())) return data;
-  const Hyperbola middle = hyperbola(constant(range.middle()), k);
-  std::copy(middle.d + first, middle.d + first + 5, data.at_middle);
-  data.fourth_deviation = (all.d[first + 4] - middle.d[first + 4]).magnitude();
-  data.fifth = all.d[first + 5].magnitude();
-  return data;
+  data.value = all[0];
+  data.slope = all[1];
+  data.bend = all[2];
+  if (std::isfinite(range.width())) {
+    const DerivativeRanges middle = f(constant(range.middle()));
+    std::copy(middle.begin(), middle.begin() + 5, data.at_middle);
+    data.fourth_deviation = (all[4] - middle[4]).magnitude();
+    data.fifth = all[5].magnitude();
+  }
+  return univariate_model(centre, range, data);
 }
 
-}  // namespace
-
 UnivariateModel smooth_abs_model(double centre, Interval range, double k) {
-  return univariate_model(centre, range, hyperbola_data(range, k, 0));
+  return univariate_model(centre, range, [k](Interval t) {
+    const std::array<Interval, 7> d = smooth_abs_ranges(t, k);
+    return DerivativeRanges{d[0], d[1], d[2], d[3], d[4], d[5]};
+  });
 }
 
 UnivariateModel smooth_sign_model(double centre, Interval range, double k) {
-  return univariate_model(centre, range, hyperbola_data(range, k, 1));
+  return univariate_model(centre, range, [k](Interval t) {
+    const std::array<Interval, 7> d = smooth_abs_ranges(t, k);
+    return DerivativeRanges{d[1], d[2], d[3], d[4], d[5], d[6]};
+  });
 }
 
 UnivariateModel exp_model(double centre, Interval range) {

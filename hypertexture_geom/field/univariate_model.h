@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <functional>
 #include <limits>
 
 #include "topology/interval.h"
@@ -59,5 +61,14 @@ struct TaylorData {
   topology::Interval bend = topology::Interval::whole();
 };
 UnivariateModel univariate_model(double centre, topology::Interval range, const TaylorData& data);
+
+// The same for a function whose enclosures on any interval are known: f(t) are those of the
+// function and its derivatives up to the fifth.
+using DerivativeRanges = std::array<topology::Interval, 6>;
+UnivariateModel univariate_model(double centre, topology::Interval range,
+                                 const std::function<DerivativeRanges(topology::Interval)>& f);
+
+// Enclosures on `t` of the smooth absolute value and its derivatives up to the sixth.
+std::array<topology::Interval, 7> smooth_abs_ranges(topology::Interval t, double k);
 
 }  // namespace morsel::geom
