@@ -242,7 +242,31 @@ LocalModel compose(const LocalModel& f, const LocalModel (&y)[3]) {
     hessian[k] += f.hessian_error * at_i * at_j;
   }
   r.add_remainder(f.value_error, gradient, hessian);
-  return r.finish();
+  const LocalModel m = r.finish();
+  // Where the image is too wide for f's polynomial, f's plain ranges.
+  const Interval range = f.range();
+  if (!(range.width() < 0.7 * m.range().width())) return m;
+  const Derivatives g = derivatives_of(f);
+  for (int i = 0; i < 3; ++i) {
+    gradient[i] = 0.0;
+    for (int a = 0; a < 3; ++a) gradient[i] += g.gradient[a] * d[a].gradient[i];
+  }
+  for (int k = 0; k < 6; ++k) {
+    hessian[k] = 0.0;
+    for (int a = 0; a < 3; ++a) {
+      hessian[k] += g.gradient[a] * d[a].hessian[k];
+      for (int b = 0; b < 3; ++b)
+        hessian[k] += g.hessian[a == b ? a : 2 + a + b] * d[a].gradient[kPair[k][0]] *
+                      d[b].gradient[kPair[k][1]];
+    }
+  }
+  LocalModel plain;
+  plain.centre = y[0].centre;
+  plain.half = y[0].half;
+  plain.c[k1] = range.middle();
+  LocalSeries s(plain);
+  s.add_remainder(std::max(range.hi - plain.c[k1], plain.c[k1] - range.lo), gradient, hessian);
+  return s.finish();
 }
 
 }  // namespace morsel::geom

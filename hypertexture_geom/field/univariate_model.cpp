@@ -2,6 +2,7 @@
 #include "hypertexture_geom/field/univariate_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace morsel::geom {
@@ -10,6 +11,7 @@ namespace {
 using topology::Interval;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kUp = 1.0 + 1e-13;  // covers the rounding of a bound made of a few operations
 constexpr double kUnderflow = 1e-290;
 
@@ -57,26 +59,37 @@ UnivariateModel shifted(const Candidate& p, double origin, double centre, Interv
 
 Interval constant(double x) { return Interval::point(x); }
 
-Interval widened(double x, double relative) {
-  const double w = std::abs(x) * relative + kUnderflow;
-  return topology::outward(x - w, x + w);
-}
+// Keeps the better model of two. Errors of the value and of the slope count alike: the slope's for
+// as much as it can add up to over half the interval's half length.
+class Best {
+ public:
+  Best(double centre, Interval range)
+      : centre_(centre), range_(range), reach_(0.25 * (range.hi - range.lo)) {}
 
-// Errors of glibc's exp, log and pow are below 2 units in the last place; 16 are allowed for.
-constexpr double kLibm = 16.0 * std::numeric_limits<double>::epsilon();
+  void offer(const Candidate& p, double origin) {
+    const UnivariateModel m = shifted(p, origin, centre_, range_);
+    const double mine = score(m), other = score(model_);
+    if (empty_ || mine < other || (!(other < mine) && m.error[0] < model_.error[0])) model_ = m;
+    empty_ = false;
+  }
 
-}  // namespace
+  const UnivariateModel& model() const { return model_; }
 
-UnivariateModel univariate_model(double centre, Interval range, const TaylorData& data) {
-  UnivariateModel best;
-  best.centre = centre;
-  std::fill(best.error, best.error + 3, kInfinity);
-  const auto offer = [&](const Candidate& p, double origin) {
-    const UnivariateModel m = shifted(p, origin, centre, range);
-    if (m.error[0] < best.error[0] || (!(best.error[0] < m.error[0]) && m.error[1] < best.error[1]))
-      best = m;
-  };
+ private:
+  double score(const UnivariateModel& m) const {
+    return or_infinity(m.error[0] + reach_ * m.error[1]);
+  }
+
+  double centre_;
+  Interval range_;
+  double reach_;
+  UnivariateModel model_;
+  bool empty_ = true;
+};
+
+void offer_plain_and_taylor(const TaylorData& data, double centre, Interval range, Best& best) {
   const double bend = data.bend.magnitude();
+  const auto offer = [&](const Candidate& p, double origin) { best.offer(p, origin); };
   // The plain range.
   {
     Candidate p;
@@ -124,82 +137,114 @@ UnivariateModel univariate_model(double centre, Interval range, const TaylorData
         (9.0 * f + std::min(data.fifth * e / 3.0, data.fourth_deviation) / 2.0) * e * e;
     offer(cubic, middle);
   }
-  best.value = data.value;
-  best.slope = data.slope;
-  best.bend = bend;
-  return best;
 }
 
-UnivariateModel square_model(double centre, Interval range) {
-  Candidate p;
-  p.b[2] = constant(1.0);
-  UnivariateModel m = shifted(p, 0.0, centre, range);
-  m.value = topology::square(range);
-  m.slope = constant(2.0) * range;
-  m.bend = 2.0;
+UnivariateModel finished(const UnivariateModel& best, const TaylorData& data) {
+  UnivariateModel m = best;
+  m.value = data.value;
+  m.slope = data.slope;
+  m.bend = data.bend.magnitude();
   return m;
 }
 
-UnivariateModel sqrt_model(double centre, Interval range, double least) {
-  range.lo = std::max(range.lo, least);
-  range.hi = std::max(range.hi, range.lo);
-  const auto derivatives = [](Interval t, Interval(&d)[5]) {
-    const Interval root = topology::sqrt(t);
-    d[0] = root;
-    d[1] = constant(0.5) / root;
-    d[2] = -(constant(0.25) / (root * t));
-    d[3] = constant(0.375) / (root * t * t);
-    d[4] = -(constant(0.9375) / (root * t * t * t));
-  };
-  TaylorData data;
-  derivatives(constant(range.middle()), data.at_middle);
-  Interval all[5];
-  derivatives(range, all);
-  data.value = all[0];
-  data.slope = all[1];
-  data.bend = all[2];
-  data.fourth_deviation = (all[4] - data.at_middle[4]).magnitude();
-  const Interval low = constant(range.lo);
-  data.fifth = (constant(105.0 / 32.0) / (topology::sqrt(low) * low * low * low * low)).magnitude();
-  return univariate_model(centre, range, data);
+// The function on pieces of an interval, which overlap so far as rounding may tear them apart.
+constexpr int kPieces = 12;
+struct Pieces {
+  double reach;  // how far a piece extends from its middle
+  std::array<double, kPieces> middle;
+  std::array<DerivativeRanges, kPieces> at_middle, all;
+};
+
+Pieces cut(const std::function<DerivativeRanges(Interval)>& f, Interval range) {
+  const double step = (range.hi - range.lo) / kPieces;
+  Pieces p;
+  p.reach = 0.5 * step * kUp + 8.0 * kEpsilon * range.magnitude();
+  for (std::size_t i = 0; i < kPieces; ++i) {
+    const double t = range.lo + (static_cast<double>(i) + 0.5) * step;
+    p.middle[i] = t;
+    p.at_middle[i] = f(Interval::point(t));
+    p.all[i] = f(topology::outward(t - p.reach, t + p.reach));
+  }
+  return p;
 }
 
-namespace {
+// Bounds on the distance of f and its first two derivatives from a cubic with exact coefficients
+// b[i].lo: on each piece from the distances in its middle and the next derivatives' ranges. The
+// value's is made symmetric by moving the constant.
+void measure(const Pieces& f, double origin, Candidate& p) {
+  const Interval two = Interval::point(2.0), three = Interval::point(3.0);
+  const Interval third = Interval::point(6.0) * p.b[3];
+  const double h = f.reach * kUp;
+  Interval value{kInfinity, -kInfinity};
+  double slope = 0.0, bend = 0.0;
+  for (std::size_t i = 0; i < kPieces; ++i) {
+    const Interval e = Interval::point(f.middle[i]) - Interval::point(origin);
+    const Interval p0 = p.b[0] + e * (p.b[1] + e * (p.b[2] + e * p.b[3]));
+    const Interval p1 = p.b[1] + e * (two * p.b[2] + e * (three * p.b[3]));
+    const Interval p2 = two * p.b[2] + e * third;
+    const Interval e0 = f.at_middle[i][0] - p0;
+    const double e1 = (f.at_middle[i][1] - p1).magnitude();
+    const double e2 = (f.at_middle[i][2] - p2).magnitude();
+    const double e3 = (f.all[i][3] - third).magnitude();
+    const double bends = e2 + e3 * h, reach = (e1 * h + 0.5 * bends * h * h) * kUp;
+    value = {std::min(value.lo, e0.lo - reach), std::max(value.hi, e0.hi + reach)};
+    slope = std::max(slope, e1 + e2 * h + 0.5 * e3 * h * h);
+    bend = std::max(bend, bends);
+  }
+  const double shift = value.middle();
+  if (std::isfinite(shift)) p.b[0] = Interval::point(p.b[0].lo + shift);
+  // The constant's rounding on top, and that of the range's ends.
+  p.error[0] =
+      (0.5 * value.width() + 4.0 * kEpsilon * (std::abs(shift) + p.b[0].magnitude())) * kUp;
+  p.error[1] = slope * kUp;
+  p.error[2] = bend * kUp;
+}
 
-Interval clamped(Interval x, double bound) {
-  return {std::max(x.lo, -bound), std::min(x.hi, bound)};
+// Nearly the best cubics for the slope and for the value: they interpolate these at Chebyshev's
+// nodes. For intervals that are wide beside the length over which the function changes.
+void offer_fits(const std::function<DerivativeRanges(Interval)>& f, Interval range, Best& best) {
+  const double origin = range.middle(), e = 0.5 * (range.hi - range.lo);
+  const Pieces pieces = cut(f, range);
+  const auto at = [&](double node, int order) {
+    return f(Interval::point(origin + node * e))[static_cast<std::size_t>(order)].middle();
+  };
+  const auto offer = [&](double b0, double b1, double b2, double b3) {
+    Candidate p;
+    const double b[4] = {b0, b1, b2, b3};
+    for (int i = 0; i < 4; ++i) {
+      if (!std::isfinite(b[i])) return;
+      p.b[i] = Interval::point(b[i]);
+    }
+    measure(pieces, origin, p);
+    best.offer(p, origin);
+  };
+  const double f0 = at(0.0, 0);
+  {
+    constexpr double kNode = 0.8660254037844386;  // cos(pi / 6)
+    const double low = at(-kNode, 1), middle = at(0.0, 1), high = at(kNode, 1);
+    const double linear = (high - low) / (2.0 * kNode * e);
+    const double square = (0.5 * (high + low) - middle) / (kNode * kNode * e * e);
+    offer(f0, middle, 0.5 * linear, square / 3.0);
+  }
+  {
+    constexpr double kFar = 0.9238795325112867,
+                     kNear = 0.3826834323650898;  // cos(pi/8), cos(3pi/8)
+    const double a = at(-kFar, 0), b = at(-kNear, 0), c = at(kNear, 0), d = at(kFar, 0);
+    const double even_far = 0.5 * (a + d), even_near = 0.5 * (b + c);
+    const double odd_far = 0.5 * (d - a) / kFar, odd_near = 0.5 * (c - b) / kNear;
+    const double span = kFar * kFar - kNear * kNear;
+    const double square = (even_far - even_near) / span, cube = (odd_far - odd_near) / span;
+    offer(even_near - square * kNear * kNear, (odd_near - cube * kNear * kNear) / e,
+          square / (e * e), cube / (e * e * e));
+  }
 }
 
 }  // namespace
 
-// With x = t / k these are k^(1 - n) times functions of x alone; those of odd order are odd.
-std::array<Interval, 7> smooth_abs_ranges(Interval t, double k) {
-  const Interval kk = constant(k), one = constant(1.0);
-  const Interval x = t / kk, square = topology::square(x);
-  const Interval r = topology::sqrt(one + square), inverse = one / r,
-                 i2 = topology::square(inverse);
-  // t / r keeps growing with t, and its range on an interval is that of the ends.
-  const auto sign_at = [&](double at) {
-    if (std::isinf(at)) return constant(at > 0.0 ? 1.0 : -1.0);
-    const Interval y = constant(at) / kk;
-    return y / topology::sqrt(one + topology::square(y));
-  };
-  const Interval sign = clamped(topology::hull(sign_at(t.lo), sign_at(t.hi)), 1.0);
-  const Interval i3 = inverse * i2, i4 = i2 * i2;
-  std::array<Interval, 7> h;
-  // x^2 / (r + 1) rather than r - 1: no cancellation near 0.
-  h[0] = std::isinf(t.magnitude()) ? Interval{0.0, kInfinity} : kk * (square / (r + one));
-  if (h[0].lo < 0.0) h[0].lo = 0.0;
-  h[1] = sign;
-  h[2] = i3 / kk;
-  // With s = x / r: s^2 + 1 / r^2 = 1.
-  const Interval k2 = kk * kk, s2 = clamped(topology::square(sign), 1.0);
-  h[3] = constant(-3.0) * sign * i4 / k2;
-  h[4] = constant(3.0) * (constant(4.0) * s2 - i2) * (i4 * inverse) / (k2 * kk);
-  h[5] = constant(15.0) * sign * (constant(3.0) * i2 - constant(4.0) * s2) * (i4 * i2) / (k2 * k2);
-  h[6] = constant(45.0) * (i4 - constant(12.0) * i2 * s2 + constant(8.0) * s2 * s2) * (i4 * i3) /
-         (k2 * k2 * kk);
-  return h;
+UnivariateModel univariate_model(double centre, Interval range, const TaylorData& data) {
+  Best best(centre, range);
+  offer_plain_and_taylor(data, centre, range, best);
+  return finished(best.model(), data);
 }
 
 UnivariateModel univariate_model(double centre, Interval range,
@@ -209,134 +254,20 @@ UnivariateModel univariate_model(double centre, Interval range,
   data.value = all[0];
   data.slope = all[1];
   data.bend = all[2];
-  if (std::isfinite(range.width())) {
+  const double width = range.width();
+  if (std::isfinite(width)) {
     const DerivativeRanges middle = f(constant(range.middle()));
     std::copy(middle.begin(), middle.begin() + 5, data.at_middle);
     data.fourth_deviation = (all[4] - middle[4]).magnitude();
     data.fifth = all[5].magnitude();
   }
-  return univariate_model(centre, range, data);
-}
-
-UnivariateModel smooth_abs_model(double centre, Interval range, double k) {
-  return univariate_model(centre, range, [k](Interval t) {
-    const std::array<Interval, 7> d = smooth_abs_ranges(t, k);
-    return DerivativeRanges{d[0], d[1], d[2], d[3], d[4], d[5]};
-  });
-}
-
-UnivariateModel smooth_sign_model(double centre, Interval range, double k) {
-  return univariate_model(centre, range, [k](Interval t) {
-    const std::array<Interval, 7> d = smooth_abs_ranges(t, k);
-    return DerivativeRanges{d[1], d[2], d[3], d[4], d[5], d[6]};
-  });
-}
-
-UnivariateModel exp_model(double centre, Interval range) {
-  const Interval lo = widened(std::exp(range.lo), kLibm), hi = widened(std::exp(range.hi), kLibm);
-  const Interval all{std::max(0.0, lo.lo), hi.hi};
-  TaylorData data;
-  data.value = data.slope = data.bend = all;
-  if (std::isfinite(range.width())) {
-    const Interval middle = widened(std::exp(range.middle()), kLibm);
-    std::fill(data.at_middle, data.at_middle + 5, middle);
-    data.fourth_deviation = (all - middle).magnitude();
-    data.fifth = all.hi;
-  }
-  return univariate_model(centre, range, data);
-}
-
-UnivariateModel log_model(double centre, Interval range, double least) {
-  range.lo = std::max(range.lo, least);
-  range.hi = std::max(range.hi, range.lo);
-  const auto derivatives = [](Interval t, Interval(&d)[5]) {
-    const Interval inverse = constant(1.0) / t, i2 = inverse * inverse;
-    d[0] = {widened(std::log(t.lo), kLibm).lo, widened(std::log(t.hi), kLibm).hi};
-    d[1] = inverse;
-    d[2] = -i2;
-    d[3] = constant(2.0) * i2 * inverse;
-    d[4] = constant(-6.0) * i2 * i2;
-  };
-  TaylorData data;
-  Interval all[5];
-  derivatives(range, all);
-  data.value = all[0];
-  data.slope = all[1];
-  data.bend = all[2];
-  if (std::isfinite(range.width())) {
-    derivatives(constant(range.middle()), data.at_middle);
-    data.fourth_deviation = (all[4] - data.at_middle[4]).magnitude();
-    const Interval inverse = constant(1.0) / constant(range.lo), i2 = inverse * inverse;
-    data.fifth = (constant(24.0) * i2 * i2 * inverse).magnitude();
-  }
-  return univariate_model(centre, range, data);
-}
-
-UnivariateModel pow_model(double centre, Interval range, double p, double least) {
-  range.lo = std::max(range.lo, least);
-  range.hi = std::max(range.hi, range.lo);
-  // p (p - 1) ... (p - n + 1) t^(p - n); powers are monotone in t.
-  const auto derivative = [p](Interval t, int n) {
-    Interval factor = constant(1.0), exponent = constant(p);
-    for (int i = 0; i < n; ++i) factor = factor * (constant(p) - constant(i));
-    exponent = exponent - constant(n);
-    // The exponent's rounding moves the power by its logarithm times as much.
-    const auto power = [&](double at) {
-      const double q = p - n, value = std::pow(at, q);
-      const double wobble = exponent.width() * std::abs(std::log(at));
-      return widened(value, kLibm + 2.0 * wobble);
-    };
-    return factor * topology::hull(power(t.lo), power(t.hi));
-  };
-  TaylorData data;
-  data.value = derivative(range, 0);
-  data.slope = derivative(range, 1);
-  data.bend = derivative(range, 2);
-  if (std::isfinite(range.width())) {
-    for (int n = 0; n < 5; ++n) data.at_middle[n] = derivative(constant(range.middle()), n);
-    data.fourth_deviation = (derivative(range, 4) - data.at_middle[4]).magnitude();
-    data.fifth = derivative(range, 5).magnitude();
-  }
-  return univariate_model(centre, range, data);
-}
-
-UnivariateModel smooth_step_model(double centre, Interval range) {
-  TaylorData data;
-  // On [0, 1]; p'' has its extremes +-10 / sqrt(3) at (3 -+ sqrt(3)) / 6.
-  const auto derivative = [](Interval t, int n) {
-    const Interval f = constant(60.0) * t;
-    switch (n) {
-      case 0:
-        return t * t * t * (constant(10.0) + t * (constant(6.0) * t - constant(15.0)));
-      case 1:
-        return constant(30.0) * topology::square(t * (constant(1.0) - t));
-      case 2:
-        return f * (constant(1.0) + t * (constant(2.0) * t - constant(3.0)));
-      case 3:
-        return constant(60.0) + constant(360.0) * t * (t - constant(1.0));
-      default:
-        return constant(720.0) * t - constant(360.0);
-    }
-  };
-  const Interval t{std::clamp(range.lo, 0.0, 1.0), std::clamp(range.hi, 0.0, 1.0)};
-  const auto at = [&](double x, int n) { return derivative(constant(x), n); };
-  data.value = {std::max(0.0, at(t.lo, 0).lo), std::min(1.0, at(t.hi, 0).hi)};
-  data.slope = topology::hull(at(t.lo, 1), at(t.hi, 1));
-  if (t.contains(0.5)) data.slope = topology::hull(data.slope, at(0.5, 1));
-  data.bend = topology::hull(at(t.lo, 2), at(t.hi, 2));
-  constexpr double kFlat = 0.2113248654051871, kTop = 5.773502691896258 * (1.0 + 1e-14);
-  if (t.lo <= kFlat + 1e-15 && t.hi >= kFlat - 1e-15) data.bend.hi = kTop;
-  if (t.lo <= 1.0 - kFlat + 1e-15 && t.hi >= 1.0 - kFlat - 1e-15) data.bend.lo = -kTop;
-  if (range.lo >= 0.0 && range.hi <= 1.0) {
-    for (int n = 0; n < 5; ++n) data.at_middle[n] = at(range.middle(), n);
-    data.fifth = 720.0;
-    data.fourth_deviation = 720.0 * (range.hi - range.lo);
-  } else if (std::isfinite(range.width())) {
-    // The third derivative jumps at 0 and 1: no Taylor polynomial, but the lines and parabolas.
-    const double x = std::clamp(range.middle(), 0.0, 1.0);
-    for (int n = 0; n < 2; ++n) data.at_middle[n] = at(x, n);
-  }
-  return univariate_model(centre, range, data);
+  Best best(centre, range);
+  offer_plain_and_taylor(data, centre, range, best);
+  // Where Taylor's polynomial leaves little of the slope's variation there is nothing to gain.
+  const double tiny = 1e-12 * (std::abs(range.lo) + std::abs(range.hi));
+  if (std::isfinite(width) && width > tiny && best.model().error[1] > 0.05 * data.slope.width())
+    offer_fits(f, range, best);
+  return finished(best.model(), data);
 }
 
 }  // namespace morsel::geom
