@@ -202,6 +202,22 @@ TEST(Density, BoundsHoldAtApexesEdgesAndEndPlanes) {
   }
 }
 
+// The tests above would notice.
+TEST(Density, AWeakenedBoundIsNoticed) {
+  std::mt19937_64 random(13);
+  for (const char* type : {"torus", "rounded_box", "difference"}) {
+    testing::Outside all;
+    for (int n = 0; n < 10; ++n) {
+      const auto field = density(random_density(type, random));
+      const auto outside = count_outside(*field, random, 100, 16, 0.2, 1.0);
+      all.value += outside.value;
+      all.gradient += outside.gradient;
+    }
+    EXPECT_GT(all.value, 0) << type;
+    EXPECT_GT(all.gradient, 0) << type;
+  }
+}
+
 // Second derivatives are continuous where a naive formula's would jump: across the planes where
 // faces pass into edges, the capsule's end planes, the torus's axis and the core.
 TEST(Density, SecondDerivativesAreContinuous) {
