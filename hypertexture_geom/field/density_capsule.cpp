@@ -15,8 +15,8 @@ struct Capsule {
 
   template <class Scope>
   auto operator()(const Scope& at) const {
-    const auto beyond = excess(at, axis, centre, half, smoothing);
-    const auto distance = root(add(square(beyond), at.squares(squares)), squares.constant);
+    const auto beyond = squared_excess(at, axis, centre, half, smoothing);
+    const auto distance = root(add(beyond, at.squares(squares)), squares.constant);
     return scale(add_constant(scale(distance, -1.0), radius), 1.0 / norm);
   }
 

@@ -19,7 +19,7 @@ struct RoundedBox {
     for (int i = 0; i < 3; ++i) {
       Imath::V3d axis(0.0);
       axis[i] = 1.0;
-      sum = add(sum, square(excess(at, axis, squares.origin, inner[i], smoothing)));
+      sum = add(sum, squared_excess(at, axis, squares.origin, inner[i], smoothing));
     }
     return scale(add_constant(scale(root(sum, squares.constant), -1.0), rounding), 1.0 / norm);
   }

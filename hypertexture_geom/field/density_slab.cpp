@@ -14,7 +14,7 @@ struct Slab {
 
   template <class Scope>
   auto operator()(const Scope& at) const {
-    return add_constant(scale(smooth_abs(at.linear(axis, centre), smoothing), -1.0),
+    return add_constant(scale(smooth_distance(at, axis, centre, smoothing), -1.0),
                         half_thickness - smoothing);
   }
 

@@ -20,4 +20,15 @@ auto excess(const Scope& at, const Imath::V3d& axis, const Imath::V3d& origin, d
   return add_constant(scale(hyperbolas, 0.5), k - half);
 }
 
+// e(u)^2.
+template <class Scope>
+auto squared_excess(const Scope& at, const Imath::V3d& axis, const Imath::V3d& origin, double half,
+                    double k) {
+  return square(excess(at, axis, origin, half, k));
+}
+
+// The same as a local model, worked out in the one variable u.
+topology::LocalModel squared_excess(const ModelScope& at, const Imath::V3d& axis,
+                                    const Imath::V3d& origin, double half, double k);
+
 }  // namespace morsel::geom

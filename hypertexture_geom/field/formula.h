@@ -41,9 +41,7 @@ inline topology::Jet add_constant(topology::Jet a, double c) {
 
 inline double square(double a) { return a * a; }
 inline topology::Jet square(const topology::Jet& a) { return jets::operator*(a, a); }
-inline topology::LocalModel square(const topology::LocalModel& a) {
-  return compose(a, square_model(a.c[0], a.range()));
-}
+inline topology::LocalModel square(const topology::LocalModel& a) { return product(a, a); }
 
 // sqrt(a) where a >= least > 0 is known.
 inline double root(double a, double /*least*/) { return std::sqrt(a); }
@@ -54,6 +52,11 @@ inline topology::Jet root(const topology::Jet& a, double /*least*/) {
 inline topology::LocalModel root(const topology::LocalModel& a, double least) {
   return compose(a, sqrt_model(a.c[0], a.range(), least * (1.0 - 1e-14)));
 }
+
+// phi(f) for f = linear(...), without the detour over general series: phi is modelled about f.c[0]
+// on f.range(). `extra` bounds what else f may be off by.
+topology::LocalModel compose_linear(const topology::LocalModel& f, const UnivariateModel& phi,
+                                    double extra = 0.0);
 
 // sqrt(a^2 + k^2) - k, without cancellation near a = 0.
 inline double smooth_abs(double a, double k) { return a * a / (std::sqrt(a * a + k * k) + k); }
@@ -113,6 +116,17 @@ class ModelScope {
  private:
   topology::Box box_;
 };
+
+// smooth_abs(row . (x - origin), k).
+template <class Scope>
+auto smooth_distance(const Scope& at, const Imath::V3d& row, const Imath::V3d& origin, double k) {
+  return smooth_abs(at.linear(row, origin), k);
+}
+inline topology::LocalModel smooth_distance(const ModelScope& at, const Imath::V3d& row,
+                                            const Imath::V3d& origin, double k) {
+  const topology::LocalModel u = at.linear(row, origin);
+  return compose_linear(u, smooth_abs_model(u.c[0], u.range(), k));
+}
 
 // A density given by a formula: a class with
 //   template <class Scope> auto operator()(const Scope&) const
