@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "hypertexture_geom/field/canonical.h"
 #include "hypertexture_geom/field/field.h"
 #include "hypertexture_geom/field/registry.h"
 #include "topology/bound_solid.h"
@@ -41,35 +42,16 @@ const params::Declaration& field_declaration() {
       "field",
       "A density and the modulations applied to it in turn: H = f_n(... f_1(f_0(D(x)))). The solid "
       "is H >= 0.",
-      {{.name = "density", .type = Type::kObject, .help = "The smooth object D."},
-       {"modulations", Type::kArray, json::array(), "Applied to the density in this order."}}};
+      {{.name = "density",
+        .type = Type::kObject,
+        .help = "The smooth object D.",
+        .kind = "density"},
+       {.name = "modulations",
+        .type = Type::kArray,
+        .default_value = json::array(),
+        .help = "Applied to the density in this order.",
+        .kind = "modulation"}}};
   return declaration;
-}
-
-// The object with every default filled in; keys come out sorted.
-json with_defaults(const json& object, const params::Declaration& declaration) {
-  json result = json::object();
-  for (const params::Parameter& p : declaration.parameters) {
-    const auto it = object.find(p.name);
-    if (it != object.end())
-      result[p.name] = *it;
-    else if (!p.default_value.is_null())
-      result[p.name] = p.default_value;
-    // 1 and 1.0 are the same number.
-    if (result.contains(p.name) && p.type == Type::kNumber)
-      result[p.name] = result[p.name].get<double>();
-  }
-  return result;
-}
-
-template <class Entry>
-const Entry& entry_of(const std::vector<Entry>& entries, const json& object, const Place& place) {
-  std::vector<std::string> names;
-  for (const Entry& e : entries) names.push_back(e.declaration.name);
-  const std::string type = params::type_of(object, names, place);
-  for (const Entry& e : entries)
-    if (e.declaration.name == type) return e;
-  throw std::logic_error("type_of returned an unknown type");
 }
 
 std::string fingerprint(const json& canonical) {
@@ -97,19 +79,15 @@ Box read_bounds(const json& value, const Place& place) {
 }  // namespace
 
 std::shared_ptr<const Field> field_from_json(const json& value, const Place& place) {
-  const params::JsonReader reader(value, field_declaration(), place);
-  const json& density = reader.object("density");
-  const DensityEntry& d = entry_of(densities(), density, place / "density");
-  json canonical{{"density", with_defaults(density, d.declaration)},
-                 {"modulations", json::array()}};
+  // First, since it checks all of the description, nested objects and their depth included.
+  json canonical = canonical_object(value, field_declaration(), place);
   std::shared_ptr<const Expression> root =
-      d.make(params::JsonReader(density, d.declaration, place / "density"));
-  const json& sequence = reader.object("modulations");
+      density_from_json(canonical["density"], place / "density");
+  const json& sequence = canonical["modulations"];
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const Place here = place / "modulations" / i;
-    const ModulationEntry& m = entry_of(modulations(), sequence[i], here);
+    const ModulationEntry& m = modulation_entry(sequence[i], here);
     root = m.make(std::move(root), params::JsonReader(sequence[i], m.declaration, here));
-    canonical["modulations"].push_back(with_defaults(sequence[i], m.declaration));
   }
   return std::make_shared<SceneField>(std::move(root), std::move(canonical));
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "hypertexture_geom/field/model_algebra.h"
+
 namespace morsel::geom {
 namespace {
 
@@ -201,6 +203,7 @@ topology::LocalModel RadialSum::finish() {
   for (int i = 0; i < 3; ++i)
     model_.gradient_error[i] += unit * (rounding_[1] + model_.gradient_error[i]) + kUnderflow;
   model_.hessian_error += unit * (rounding_[2] + model_.hessian_error) + kUnderflow;
+  forget_nans(model_);  // on huge boxes powers of their size overflow
   model_.add_rounding();
   return model_;
 }

@@ -29,4 +29,13 @@ struct ModulationEntry {
 const std::vector<DensityEntry>& densities();
 const std::vector<ModulationEntry>& modulations();
 
+// The entry that object["type"] names. Throws params::InputError.
+const DensityEntry& density_entry(const nlohmann::json& object, const params::Place& place);
+const ModulationEntry& modulation_entry(const nlohmann::json& object, const params::Place& place);
+
+// The density that `json` describes; for parameters of kind "density", nested to any depth that
+// canonical_object allows. Throws params::InputError.
+std::unique_ptr<Expression> density_from_json(const nlohmann::json& json,
+                                              const params::Place& place);
+
 }  // namespace morsel::geom

@@ -24,6 +24,9 @@ struct SparseConvolutionParameters {
   std::vector<Octave> octaves;
   std::uint32_t seed = 0;
   int impulses_per_cell = 3;
+  // Octave i draws its random numbers as octave number first_octave + i of the process: noises of
+  // one seed are independent where these numbers differ.
+  std::uint32_t first_octave = 0;
 };
 
 // Sum of octaves of sparse convolution noise (J.-P. Lewis, "Algorithms for solid noise synthesis",

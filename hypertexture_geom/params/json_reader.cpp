@@ -160,6 +160,13 @@ void check_value(const Parameter& p, const json& value, const Place& place) {
                              near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),
                              join(p.choices)));
     }
+    case Type::kArray: {
+      const double size = static_cast<double>(value.size());
+      if (size < p.min || size > p.max)
+        place.fail(fmt::format("has {} items; the number of items must be {}", value.size(),
+                               range_text(p)));
+      break;
+    }
     default:
       break;
   }

@@ -28,6 +28,14 @@ nlohmann::json vector_schema(int size) {
       {"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", size}, {"maxItems", size}};
 }
 
+// Schema of a kObject or of the items of a kArray.
+nlohmann::json item_schema(const Parameter& p) {
+  if (p.record != nullptr) return schema_of(*p.record);
+  if (!p.kind.empty()) return {{"allOf", {{{"$ref", "#/definitions/" + p.kind}}}}};
+  if (p.type == Type::kObject) return {{"type", "object"}};
+  return nlohmann::json::object();
+}
+
 nlohmann::json type_schema(const Parameter& p) {
   switch (p.type) {
     case Type::kBoolean:
@@ -51,9 +59,13 @@ nlohmann::json type_schema(const Parameter& p) {
       return schema;
     }
     case Type::kObject:
-      return {{"type", "object"}};
-    case Type::kArray:
-      return {{"type", "array"}};
+      return item_schema(p);
+    case Type::kArray: {
+      nlohmann::json schema{{"type", "array"}, {"items", item_schema(p)}};
+      if (std::isfinite(p.min)) schema["minItems"] = static_cast<std::int64_t>(p.min);
+      if (std::isfinite(p.max)) schema["maxItems"] = static_cast<std::int64_t>(p.max);
+      return schema;
+    }
   }
   return nlohmann::json::object();
 }
@@ -93,8 +105,10 @@ nlohmann::json schema_of(const Declaration& declaration) {
       if (std::isfinite(p.min)) bounded[p.exclusive_min ? "exclusiveMinimum" : "minimum"] = p.min;
       if (std::isfinite(p.max)) bounded["maximum"] = p.max;
     };
-    if (property["type"] != "array") add_range(property);
-    if (property.contains("items")) add_range(property["items"]);
+    const bool numbers =
+        p.type != Type::kObject && p.type != Type::kArray && property.contains("type");
+    if (numbers && property["type"] != "array") add_range(property);
+    if (numbers && property.contains("items")) add_range(property["items"]);
     schema["properties"][p.name] = property;
     if (p.default_value.is_null() && !p.optional) required.push_back(p.name);
   }

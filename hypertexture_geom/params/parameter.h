@@ -27,17 +27,24 @@ enum class Type {
   kArray
 };
 
+struct Declaration;
+
 struct Parameter {
   std::string name;
   Type type = Type::kNumber;
   nlohmann::json default_value = nullptr;  // null: required unless `optional`
   std::string help = {};
   std::string unit = {};  // "length", "degrees", "1/length", "" ...
+  // Of a number or of each component of a vector; of an array, the number of its items.
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
   bool exclusive_min = false;             // value > min rather than >=
   bool optional = false;                  // may be absent without a default
   std::vector<std::string> choices = {};  // kChoice
+  // What a kObject, or each item of a kArray, is: an object of this declaration, or one of a kind
+  // ("density", "modulation", "mask") whose own "type" says which of that kind's declarations it follows.
+  const Declaration* record = nullptr;
+  std::string kind = {};
 };
 
 struct Declaration {
@@ -52,7 +59,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 // "a, b, c"
 std::string join(const std::vector<std::string>& names);
 
-// JSON Schema (draft 7) of one declared object.
+// JSON Schema (draft 7) of one declared object. A kind K is referred to as "#/definitions/K".
 nlohmann::json schema_of(const Declaration& declaration);
 
 }  // namespace morsel::params

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "hypertexture_geom/field/expression.h"
+
+// An operation on other expressions, written once for the expressions themselves and for their
+// restrictions to a box. `Operation` is a copyable class with, for arguments f[i]-> of any kind of
+// field,
+//   double value(const F& f, const Imath::V3d& x) const
+//   topology::Jet jet(const F& f, const Imath::V3d& x) const
+//   topology::LocalModel model(const F& f, const topology::Box& box) const
+//   std::vector<std::unique_ptr<topology::ScalarField>> restricted(const F& f, const Box&) const
+// and, for arguments that are expressions, what Expression has:
+//   topology::Interval expected_range(const Expressions& f) const
+//   std::optional<topology::Box> superlevel_box(const Expressions& f, double level) const
+namespace morsel::geom {
+
+using Expressions = std::vector<std::shared_ptr<const Expression>>;
+using RestrictedFields = std::vector<std::unique_ptr<topology::ScalarField>>;
+
+template <class Operation>
+class RestrictedOperation final : public topology::ScalarField {
+ public:
+  RestrictedOperation(Operation operation, RestrictedFields f)
+      : operation_(std::move(operation)), f_(std::move(f)) {}
+
+  double value(const Imath::V3d& x) const override { return operation_.value(f_, x); }
+  topology::Jet jet(const Imath::V3d& x) const override { return operation_.jet(f_, x); }
+  topology::LocalModel model(const topology::Box& box) const override {
+    return operation_.model(f_, box);
+  }
+  std::unique_ptr<ScalarField> restricted_to(const topology::Box& box) const override {
+    return std::make_unique<RestrictedOperation>(operation_, operation_.restricted(f_, box));
+  }
+
+ private:
+  Operation operation_;
+  RestrictedFields f_;
+};
+
+template <class Operation>
+class OperationExpression final : public Expression {
+ public:
+  OperationExpression(Operation operation, Expressions f)
+      : operation_(std::move(operation)), f_(std::move(f)) {}
+
+  double value(const Imath::V3d& x) const override { return operation_.value(f_, x); }
+  topology::Jet jet(const Imath::V3d& x) const override { return operation_.jet(f_, x); }
+  topology::LocalModel model(const topology::Box& box) const override {
+    return operation_.model(f_, box);
+  }
+  std::unique_ptr<ScalarField> restricted_to(const topology::Box& box) const override {
+    return std::make_unique<RestrictedOperation<Operation>>(operation_,
+                                                            operation_.restricted(f_, box));
+  }
+  topology::Interval expected_range() const override { return operation_.expected_range(f_); }
+  std::optional<topology::Box> superlevel_box(double level) const override {
+    return operation_.superlevel_box(f_, level);
+  }
+
+ private:
+  Operation operation_;
+  Expressions f_;
+};
+
+}  // namespace morsel::geom
