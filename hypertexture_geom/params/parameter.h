@@ -42,7 +42,8 @@ struct Parameter {
   bool optional = false;                  // may be absent without a default
   std::vector<std::string> choices = {};  // kChoice
   // What a kObject, or each item of a kArray, is: an object of this declaration, or one of a kind
-  // ("density", "modulation", "mask") whose own "type" says which of that kind's declarations it follows.
+  // ("density", "modulation", "mask") whose own "type" says which of that kind's declarations it
+  // follows.
   const Declaration* record = nullptr;
   std::string kind = {};
 };
