@@ -42,9 +42,13 @@ struct Parameter {
   bool optional = false;                  // may be absent without a default
   std::vector<std::string> choices = {};  // kChoice
   // What a kObject, or each item of a kArray, is: an object of this declaration, or one of a kind
-  // ("density", "modulation", "mask") whose own "type" says which of that kind's declarations it follows.
+  // ("density", "modulation", "mask") whose own "type" says which of that kind's declarations it
+  // follows.
   const Declaration* record = nullptr;
   std::string kind = {};
+  // May be given, and has its default, only where the parameter of this name has this value.
+  std::string only_with = {};
+  std::string only_with_value = {};
 };
 
 struct Declaration {
@@ -52,6 +56,10 @@ struct Declaration {
   std::string help = {};
   std::vector<Parameter> parameters;
 };
+
+// Whether `parameter` means anything in `object`, which `declaration` describes.
+bool applies(const Parameter& parameter, const nlohmann::json& object,
+             const Declaration& declaration);
 
 // The name in `known` nearest to `name` by edit distance; empty when none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
