@@ -81,7 +81,7 @@ json canonical_at(const json& object, const Declaration& declaration, const Plac
     const auto it = object.find(p.name);
     if (it != object.end())
       result[p.name] = canonical_value(*it, p, place / p.name, depth);
-    else if (!p.default_value.is_null())
+    else if (!p.default_value.is_null() && params::applies(p, object, declaration))
       result[p.name] = canonical_value(p.default_value, p, place / p.name, depth);
   }
   return result;

@@ -1,22 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/field/impulse_process.h"
 
+#include "hypertexture_geom/field/integer_hash.h"
+
 namespace morsel::geom {
-namespace {
-
-// A 32-bit finalizer: xor-shifts and odd multipliers, a bijection (constants: C. Wellons,
-// "hash-prospector", lowest bias found of this form).
-std::uint32_t scramble(std::uint32_t h) {
-  h ^= h >> 16;
-  h *= 0x21f0aaadu;
-  h ^= h >> 15;
-  h *= 0x735a2d97u;
-  h ^= h >> 15;
-  return h;
-}
-
-}  // namespace
-
 CellImpulse cell_impulse(std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t index,
                          std::uint32_t octave, std::uint32_t seed) {
   // Each word is mixed in after a full scramble of those before it, so that no two of them can

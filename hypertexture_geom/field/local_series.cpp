@@ -113,15 +113,15 @@ LocalSeries::LocalSeries(const LocalModel& model)
   for (int i = 0; i < 3; ++i) scale_[i] = std::max({half_[i], widest * 0x1p-60, 0x1p-100});
   for (int n = 0; n < topology::monomial::kCount; ++n)
     c_[n] = model.c[n] * power(scale_, kExponent[n]);
-  for (int degree = 0; degree <= 3; ++degree) round(8.0, size(degree));
+  round(8.0, size(0, 3));
   double h[6];
   std::fill(h, h + 6, model.hessian_error);
   add_remainder(model.value_error, model.gradient_error, h);
 }
 
-JetBound LocalSeries::size(int degree) const {
+JetBound LocalSeries::size(int from, int to) const {
   JetBound r;
-  for (int n = kFirst[degree]; n < kFirst[degree + 1]; ++n) {
+  for (int n = kFirst[from]; n < kFirst[to + 1]; ++n) {
     const double a = std::abs(c_[n]);
     for (int k = 0; k < 10; ++k) r.b[k] += a * kWeights.w[n][k];
   }
@@ -143,7 +143,7 @@ void LocalSeries::add_remainder(double value, const Imath::V3d& gradient,
 LocalSeries& LocalSeries::operator+=(const LocalSeries& other) {
   for (int n = 0; n < kTerms; ++n) c_[n] += other.c_[n];
   rest_ += other.rest_;
-  for (int degree = 0; degree <= 4; ++degree) round(2.0, size(degree));
+  round(2.0, size(0, 4));
   return *this;
 }
 
@@ -156,23 +156,24 @@ LocalSeries& LocalSeries::operator+=(double constant) {
 LocalSeries& LocalSeries::operator*=(double factor) {
   for (double& c : c_) c *= factor;
   rest_ *= std::abs(factor);
-  for (int degree = 0; degree <= 4; ++degree) round(2.0, size(degree));
+  round(2.0, size(0, 4));
   return *this;
 }
 
 LocalSeries operator*(const LocalSeries& f, const LocalSeries& g) {
   LocalSeries r(f.centre_, f.half_, f.scale_);
   for (const Pair& p : kProducts) r.c_[p.product] += f.c_[p.left] * g.c_[p.right];
-  JetBound in_f, in_g;  // of the polynomials
-  JetBound g_from[6];   // of g's terms of this degree and above
+  JetBound of_f[5], in_f, in_g;  // of one degree's terms, of the polynomials
+  JetBound g_from[6];            // of g's terms of this degree and above
   for (int degree = 4; degree >= 0; --degree) {
-    in_f += f.size(degree);
+    of_f[degree] = f.size(degree, degree);
+    in_f += of_f[degree];
     g_from[degree] = g_from[degree + 1];
-    g_from[degree] += g.size(degree);
+    g_from[degree] += g.size(degree, degree);
   }
   in_g = g_from[0];
   // Products of degree 5 and more.
-  for (int degree = 1; degree <= 4; ++degree) r.rest_ += f.size(degree) * g_from[5 - degree];
+  for (int degree = 1; degree <= 4; ++degree) r.rest_ += of_f[degree] * g_from[5 - degree];
   // A coefficient is a sum of up to 35 products.
   r.round(64.0, in_f * in_g);
   in_f += f.rest_;
@@ -237,9 +238,8 @@ LocalModel LocalSeries::finish() const {
     r.rest_.b[0] += kUnderflow;
   }
   // Up to 12 additions to one coefficient, and the way back to u.
-  JetBound all;
-  for (int degree = 0; degree <= 3; ++degree) all += r.size(degree);
-  for (int degree = 4; degree <= 4; ++degree) all += size(degree);
+  JetBound all = r.size(0, 3);
+  all += size(4, 4);
   r.round(40.0, all);
 
   LocalModel m;

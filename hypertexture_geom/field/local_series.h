@@ -49,7 +49,8 @@ class LocalSeries {
   LocalSeries(const Imath::V3d& centre, const Imath::V3d& half, const Imath::V3d& scale)
       : centre_(centre), half_(half), scale_(scale) {}
 
-  JetBound size(int degree) const;  // of the terms of one degree, with absolute coefficients
+  // Of the terms of degrees `from` to `to`, with absolute coefficients.
+  JetBound size(int from, int to) const;
   void round(double roundings, const JetBound& size);
 
   Imath::V3d centre_, half_, scale_;

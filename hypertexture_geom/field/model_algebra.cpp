@@ -53,6 +53,19 @@ void add_outer_remainder(LocalSeries& series, const Derivatives& f, double value
   series.add_remainder(value, gradient, hessian);
 }
 
+// A polynomial model, or the plain ranges where these are clearly better: a polynomial's value is
+// bound to its slopes, which pays when it is combined with other terms.
+const LocalModel& better(const LocalModel& polynomial, const LocalModel& plain) {
+  const double value = plain.range().width() / polynomial.range().width();
+  if (value < 0.7) return plain;
+  double a = 0.0, b = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    a += plain.gradient_range(i).width();
+    b += polynomial.gradient_range(i).width();
+  }
+  return value * (a / b) < 0.5 ? plain : polynomial;
+}
+
 }  // namespace
 
 void forget_nans(LocalModel& m) {
@@ -172,9 +185,6 @@ LocalModel compose(const LocalModel& f, const UnivariateModel& phi) {
   r += phi.a[0];
   add_outer_remainder(r, d, phi.error[0], phi.error[1], phi.error[2]);
   const LocalModel m = r.finish();
-  const double width = phi.value.width();
-  // A polynomial tells of slopes too; the plain range has to be clearly better.
-  if (!(width < 0.7 * m.range().width())) return m;
   LocalModel plain;
   plain.centre = f.centre;
   plain.half = f.half;
@@ -183,7 +193,7 @@ LocalModel compose(const LocalModel& f, const UnivariateModel& phi) {
   const double error = std::max(phi.value.hi - plain.c[k1], plain.c[k1] - phi.value.lo);
   LocalSeries s(plain);
   add_outer_remainder(s, d, error, slope, phi.bend);
-  return s.finish();
+  return better(m, s.finish());
 }
 
 LocalModel compose(const LocalModel& f, const LocalModel (&y)[3]) {
@@ -245,7 +255,6 @@ LocalModel compose(const LocalModel& f, const LocalModel (&y)[3]) {
   const LocalModel m = r.finish();
   // Where the image is too wide for f's polynomial, f's plain ranges.
   const Interval range = f.range();
-  if (!(range.width() < 0.7 * m.range().width())) return m;
   const Derivatives g = derivatives_of(f);
   for (int i = 0; i < 3; ++i) {
     gradient[i] = 0.0;
@@ -266,7 +275,7 @@ LocalModel compose(const LocalModel& f, const LocalModel (&y)[3]) {
   plain.c[k1] = range.middle();
   LocalSeries s(plain);
   s.add_remainder(std::max(range.hi - plain.c[k1], plain.c[k1] - range.lo), gradient, hessian);
-  return s.finish();
+  return better(m, s.finish());
 }
 
 }  // namespace morsel::geom

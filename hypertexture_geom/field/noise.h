@@ -16,7 +16,7 @@ struct NoiseDescription {
   std::string basis = "sparse_convolution";
   std::vector<Octave> octaves;
   std::uint32_t seed = 0;
-  int impulses_per_cell = 3;
+  int impulses_per_cell = 3;  // sparse convolution only
 };
 
 // The parameters that choose a basis noise and its octaves, for a modulation's declaration.

@@ -263,9 +263,12 @@ UnivariateModel univariate_model(double centre, Interval range,
   }
   Best best(centre, range);
   offer_plain_and_taylor(data, centre, range, best);
-  // Where Taylor's polynomial leaves little of the slope's variation there is nothing to gain.
+  // Where Taylor's polynomial leaves little of the slope's variation, or the slope varies little,
+  // there is not much to gain.
+  const double left = best.model().error[1];
   const double tiny = 1e-12 * (std::abs(range.lo) + std::abs(range.hi));
-  if (std::isfinite(width) && width > tiny && best.model().error[1] > 0.05 * data.slope.width())
+  if (std::isfinite(width) && width > tiny && left > 0.05 * data.slope.width() &&
+      left > 0.02 * data.slope.magnitude())
     offer_fits(f, range, best);
   return finished(best.model(), data);
 }

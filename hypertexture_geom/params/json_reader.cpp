@@ -248,6 +248,10 @@ JsonReader::JsonReader(const json& object, const Declaration& declaration, Place
     const auto it = object.find(p.name);
     if (it != object.end()) {
       check_value(p, *it, place_ / p.name);
+      if (!applies(p, object, declaration))
+        (place_ / p.name)
+            .fail(
+                fmt::format("applies only where \"{}\" is \"{}\"", p.only_with, p.only_with_value));
     } else if (p.default_value.is_null() && !p.optional) {
       place_.fail(fmt::format("missing key \"{}\" of {} ({})", p.name, declaration.name, p.help));
     }

@@ -72,6 +72,16 @@ nlohmann::json type_schema(const Parameter& p) {
 
 }  // namespace
 
+bool applies(const Parameter& parameter, const nlohmann::json& object,
+             const Declaration& declaration) {
+  if (parameter.only_with.empty()) return true;
+  if (const auto it = object.find(parameter.only_with); it != object.end())
+    return *it == parameter.only_with_value;
+  for (const Parameter& p : declaration.parameters)
+    if (p.name == parameter.only_with) return p.default_value == parameter.only_with_value;
+  return false;
+}
+
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, name.size() / 2) + 1;

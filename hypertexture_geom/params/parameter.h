@@ -46,6 +46,9 @@ struct Parameter {
   // follows.
   const Declaration* record = nullptr;
   std::string kind = {};
+  // May be given, and has its default, only where the parameter of this name has this value.
+  std::string only_with = {};
+  std::string only_with_value = {};
 };
 
 struct Declaration {
@@ -53,6 +56,10 @@ struct Declaration {
   std::string help = {};
   std::vector<Parameter> parameters;
 };
+
+// Whether `parameter` means anything in `object`, which `declaration` describes.
+bool applies(const Parameter& parameter, const nlohmann::json& object,
+             const Declaration& declaration);
 
 // The name in `known` nearest to `name` by edit distance; empty when none is near.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);

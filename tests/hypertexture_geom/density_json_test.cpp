@@ -2,6 +2,9 @@
 // What a scene may say about densities, and what it hears when it says it wrong.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "hypertexture_geom/field/canonical.h"
 #include "hypertexture_geom/field/registry.h"
 #include "tests/hypertexture_geom/test_fields.h"
@@ -125,6 +128,25 @@ TEST(DensityJson, AnUnboundedSolidNeedsBounds) {
       build_cache(hypertexture_from_json(geometry, params::Place{"scene.json", ""}));
   EXPECT_EQ(cache.topology.components.size(), 1u);
   EXPECT_TRUE(cache.topology.touches_box.has_value());
+}
+
+TEST(DensityJson, TheBlobsOfFigure3AreOnePiece) {
+  const std::filesystem::path file =
+      std::filesystem::path(MORSEL_SOURCE_DIR) / "scenes/figures/figure3.json";
+  std::ifstream in(file);
+  const json scene = json::parse(in);  // strictly: no comments
+  json geometry = scene["geometries"][0];
+  const auto pieces = [&] {
+    const topology::Topology t =
+        build_cache(hypertexture_from_json(geometry, params::Place{"figure3.json", ""})).topology;
+    EXPECT_TRUE(t.certified);
+    EXPECT_FALSE(t.touches_box.has_value());
+    return t.components.size();
+  };
+  EXPECT_EQ(pieces(), 1u);
+  // The saddle between them is at 2 (1 - (0.8 / 1.4)^2)^3 = 0.611.
+  geometry["field"]["density"]["level"] = 0.62;
+  EXPECT_EQ(pieces(), 2u);
 }
 
 TEST(DensityJson, SchemasDescribeNestedObjects) {

@@ -41,6 +41,11 @@ TEST(Golden, SparseConvolution) {
   check_golden(testing::eq13_json(4, 12345), "sparse_convolution_l4");
 }
 
+TEST(Golden, Perlin) {
+  check_golden(testing::perlin_json(1, 1, 0.8, 4.0), "perlin_l1");
+  check_golden(testing::perlin_json(4, 12345), "perlin_l4");
+}
+
 TEST(Golden, ImpulseProcessIsExact) {
   const CellImpulse a = cell_impulse(0, 0, 0, 0, 0, 0);
   const CellImpulse b = cell_impulse(-5, 1000000, 7, 2, 3, 42);

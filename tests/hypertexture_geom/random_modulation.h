@@ -37,6 +37,10 @@ class RandomModulation {
     }
     if (type == "warp") m["amplitude"] = uniform(-0.2, 0.2);
     if (integer(0, 2) == 0) m["mask"] = mask();
+    if (integer(0, 2) == 0) {
+      m["noise"] = "perlin";
+      m.erase("impulses_per_cell");
+    }
     return m;
   }
 
