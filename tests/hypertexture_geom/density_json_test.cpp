@@ -158,11 +158,13 @@ TEST(DensityJson, SchemasDescribeNestedObjects) {
       EXPECT_TRUE(balls["items"]["properties"].contains("weight"));
       EXPECT_EQ(schema["required"], json({"balls"}));
     }
-    if (entry.declaration.name == "union")
+    if (entry.declaration.name == "union") {
       EXPECT_EQ(schema["properties"]["densities"]["items"]["allOf"][0]["$ref"],
                 "#/definitions/density");
-    if (entry.declaration.name == "ellipsoid")
+    }
+    if (entry.declaration.name == "ellipsoid") {
       EXPECT_EQ(schema["properties"]["radii"]["items"]["exclusiveMinimum"], 0.0);
+    }
   }
 }
 

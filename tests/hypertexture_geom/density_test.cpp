@@ -160,7 +160,7 @@ INSTANTIATE_TEST_SUITE_P(Densities, EveryDensity,
                          ::testing::Values("sphere", "ellipsoid", "rounded_box", "torus", "capsule",
                                            "slab", "metaballs", "union", "intersection",
                                            "difference"),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& test) { return test.param; });
 
 // Boxes about the places where a formula is nearly singular, at every smoothing.
 TEST(Density, BoundsHoldAtApexesEdgesAndEndPlanes) {
@@ -284,7 +284,7 @@ TEST(Density, CertifiedVolumesEncloseTheClosedForms) {
                        4.0 / 3.0 * pi * 0.35 * std::pow(1.0 - s * s / 0.25, 1.5));
   // With rho as the variable the smoothed torus has the volume of one of squared tube radius
   // minor^2 - s^2.
-  for (const Imath::V3d axis : {Imath::V3d(0, 0, 1), Imath::V3d(1, 2, -1)})
+  for (const Imath::V3d& axis : {Imath::V3d(0, 0, 1), Imath::V3d(1, 2, -1)})
     expect_one_of_volume({{"type", "torus"},
                           {"axis", {axis.x, axis.y, axis.z}},
                           {"major_radius", 0.8},
