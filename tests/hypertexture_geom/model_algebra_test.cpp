@@ -276,7 +276,7 @@ TEST(ModelAlgebra, Quadratics) {
       [&](const Box& box) { return quadratic_model(box, origin, 0.25, b, a); });
   EXPECT_EQ(count_outside(q, random, 500, 16).total(), 0);
   const LocalModel m = quadratic_model(Box(Imath::V3d(-1.0), Imath::V3d(1.0)), origin, 0.25, b, a);
-  EXPECT_LT(m.value_error, 1e-12);  // exact but for rounding
+  EXPECT_LT(m.value_error, 2e-12);  // exact but for rounding
 }
 
 TEST(ModelAlgebra, SumsProductsOfCoordinatesAreExact) {
@@ -287,7 +287,7 @@ TEST(ModelAlgebra, SumsProductsOfCoordinatesAreExact) {
   const LocalModel m = add_constant(scale(product(product(x, y), z), 2.0), -3.0);
   EXPECT_NEAR(m.value_at(Imath::V3d(0.25, 2.75, 1.5) - m.centre), 2.0 * 0.25 * 2.75 * 1.5 - 3.0,
               1e-13);
-  EXPECT_LT(m.value_error, 1e-11);
+  EXPECT_LT(m.value_error, 2e-11);
   EXPECT_LT(m.hessian_error, 1e-10);
   const LocalModel zero = subtract(product(x, y), product(y, x));
   EXPECT_LT(zero.range().magnitude(), 1e-12);
