@@ -61,6 +61,25 @@ void for_each_root(const BrickSurface& surface, std::uint32_t brick, unsigned ge
   }
 }
 
+// Whether the filters accept a hit of lane `i` at `t`. `run` calls Embree's filter function; it
+// sees one lane, with the hit distance in the ray.
+template <class Arguments, class Run>
+bool accepted(const Arguments* arguments, RTCRayN* rays, unsigned i, float t, RTCHit& hit,
+              const Run& run) {
+  RTCRay ray = rtcGetRayFromRayN(rays, arguments->N, i);
+  ray.tfar = t;
+  int valid = -1;
+  RTCFilterFunctionNArguments filter;
+  filter.valid = &valid;
+  filter.geometryUserPtr = arguments->geometryUserPtr;
+  filter.context = arguments->context;
+  filter.ray = reinterpret_cast<RTCRayN*>(&ray);
+  filter.hit = reinterpret_cast<RTCHitN*>(&hit);
+  filter.N = 1;
+  run(arguments, &filter);
+  return valid != 0;
+}
+
 void intersect_callback(const RTCIntersectFunctionNArguments* arguments) noexcept {
   const BrickSurface& surface = *data_of(arguments->geometryUserPtr).surface;
   const unsigned n = arguments->N;
@@ -69,19 +88,7 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments) noexcep
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
     const auto accept = [&](float t, RTCHit& hit) {
-      // The filter sees one lane, with the hit distance in the ray.
-      RTCRay ray = rtcGetRayFromRayN(rays, n, i);
-      ray.tfar = t;
-      int valid = -1;
-      RTCFilterFunctionNArguments filter;
-      filter.valid = &valid;
-      filter.geometryUserPtr = arguments->geometryUserPtr;
-      filter.context = arguments->context;
-      filter.ray = reinterpret_cast<RTCRayN*>(&ray);
-      filter.hit = reinterpret_cast<RTCHitN*>(&hit);
-      filter.N = 1;
-      run_intersect_filter(arguments, &filter);
-      if (valid == 0) return false;
+      if (!accepted(arguments, rays, i, t, hit, run_intersect_filter)) return false;
       RTCRayN_tfar(rays, n, i) = t;
       rtcCopyHitToHitN(hits, &hit, n, i);
       copy_instance(arguments->context, hits, n, i);
@@ -110,18 +117,7 @@ void filtered_occluded_callback(const RTCOccludedFunctionNArguments* arguments) 
   for (unsigned i = 0; i < n; ++i) {
     if (arguments->valid[i] == 0) continue;
     const auto accept = [&](float t, RTCHit& hit) {
-      RTCRay ray = rtcGetRayFromRayN(arguments->ray, n, i);
-      ray.tfar = t;
-      int valid = -1;
-      RTCFilterFunctionNArguments filter;
-      filter.valid = &valid;
-      filter.geometryUserPtr = arguments->geometryUserPtr;
-      filter.context = arguments->context;
-      filter.ray = reinterpret_cast<RTCRayN*>(&ray);
-      filter.hit = reinterpret_cast<RTCHitN*>(&hit);
-      filter.N = 1;
-      run_occluded_filter(arguments, &filter);
-      if (valid == 0) return false;
+      if (!accepted(arguments, arguments->ray, i, t, hit, run_occluded_filter)) return false;
       RTCRayN_tfar(arguments->ray, n, i) = kOccluded;
       return true;
     };
