@@ -62,7 +62,8 @@ class SectionFiles : public ::testing::Test {
     writer.add_records<std::uint32_t>("numbers", numbers, true);
     writer.add_records<Pair>("pairs", pairs);
     writer.add("empty", {});
-    EXPECT_EQ(writer.publish(), fs::file_size(path_));
+    const std::uint64_t size = writer.publish();
+    EXPECT_EQ(size, fs::file_size(path_));
     good_ = contents(path_);
     directory_ = get<std::uint64_t>(good_, kDirectory);
   }
