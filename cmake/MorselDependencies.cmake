@@ -2,6 +2,7 @@
 # Every third-party package in one place. Debian 12 names; Debian 13 brings Embree 4.
 find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)
+find_package(Boost 1.74 CONFIG REQUIRED)
 find_package(Imath 3 CONFIG REQUIRED)
 find_package(OpenEXR 3 CONFIG REQUIRED)
 find_package(OpenImageIO CONFIG REQUIRED)

@@ -7,7 +7,7 @@
 # its CMake package lists, and the -dev package does not depend on them.
 MORSEL_PACKAGES=(
   cmake ninja-build g++ pkg-config
-  libembree-dev libtbb-dev libhwy-dev
+  libembree-dev libtbb-dev libhwy-dev libboost-dev
   libopenimageio-dev openimageio-tools libopenexr-dev libimath-dev
   libassimp-dev libtinygltf-dev nlohmann-json3-dev
   libcli11-dev libspdlog-dev libfmt-dev libxxhash-dev
