@@ -2,7 +2,6 @@
 # Every third-party package in one place. Debian 12 names; Debian 13 brings Embree 4.
 find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)
-find_package(Boost 1.74 CONFIG REQUIRED)
 find_package(Imath 3 CONFIG REQUIRED)
 find_package(OpenEXR 3 CONFIG REQUIRED)
 find_package(OpenImageIO CONFIG REQUIRED)
@@ -13,6 +12,9 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(assimp CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(Eigen3 3.4 CONFIG REQUIRED)
+find_package(nanoflann CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
@@ -40,4 +42,5 @@ endforeach()
 
 if(MORSEL_BUILD_TESTS)
   find_package(GTest CONFIG REQUIRED)
+  find_package(benchmark CONFIG QUIET)  # libbenchmark-dev; benchmarks that are built on request only
 endif()

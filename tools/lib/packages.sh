@@ -7,10 +7,11 @@
 # its CMake package lists, and the -dev package does not depend on them.
 MORSEL_PACKAGES=(
   cmake ninja-build g++ pkg-config
-  libembree-dev libtbb-dev libhwy-dev libboost-dev
+  libembree-dev libtbb-dev libhwy-dev
   libopenimageio-dev openimageio-tools libopenexr-dev libimath-dev
   libassimp-dev libtinygltf-dev nlohmann-json3-dev
   libcli11-dev libspdlog-dev libfmt-dev libxxhash-dev
+  libboost-dev libeigen3-dev libnanoflann-dev
   libgtest-dev
 )
 
