@@ -91,6 +91,21 @@ inline void intersect1(RTCScene scene, RTCRayHit& rayhit,
 #endif
 }
 
+// The same with a context that the callbacks see: the first member of a struct of the caller's.
+inline void intersect1(RTCScene scene, RTCRayHit& rayhit, RayQueryContext& context) {
+  if (!is_traceable(rayhit.ray)) return;
+#if RTC_VERSION_MAJOR >= 4
+  rtcInitRayQueryContext(&context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context;
+  rtcIntersect1(scene, &rayhit, &arguments);
+#else
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &rayhit);
+#endif
+}
+
 // Whether anything is hit: sets ray.tfar to -infinity if so, and returns it.
 inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coherence::kIncoherent) {
   if (!is_traceable(ray)) return false;

@@ -69,14 +69,14 @@ struct HypertextureGeometry::Impl {
     return 8.0 * kUlp * largest + 2.0 * kUlp * (far_distance + 1.0) * diameter;
   }
 
-  // F wherever asked; the block's field where that is valid.
-  double value_near(std::uint32_t brick, const Imath::V3d& x) const {
+  // A field to evaluate at x: the block's where that is valid.
+  const topology::ScalarField& field_near(std::uint32_t brick, const Imath::V3d& x) const {
     const BrickSet& bricks = surface.bricks();
     const Brick& b = bricks[brick];
     topology::Box box = bricks.box(b);
     box.min -= Imath::V3d(bricks.margin());
     box.max += Imath::V3d(bricks.margin());
-    return box.intersects(x) ? bricks.field(b).value(x) : field->value(x);
+    return box.intersects(x) ? bricks.field(b) : *field;
   }
 };
 
@@ -102,34 +102,52 @@ std::optional<HypertextureGeometry::Hit> HypertextureGeometry::intersect_brick(
   const RaySegment segment{origin, direction, tnear, tfar};
   BrickSurface::Root root;
   if (!impl_->surface.first_root(brick, segment, root)) return std::nullopt;
-  return Hit{root.t, impl_->surface.gradient(brick, segment, root), root.evaluations};
+  return Hit{root.t, impl_->surface.gradient(brick, segment, root), root.evaluations, root.beyond};
 }
 
 ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& point,
                                          float extra_error) const {
   const Imath::V3d x(point);
-  const BrickSet& bricks = impl_->surface.bricks();
-  const Brick& b = bricks[brick];
-  topology::Box box = bricks.box(b);
-  box.min -= Imath::V3d(bricks.margin());
-  box.max += Imath::V3d(bricks.margin());
-  const Imath::V3d gradient =
-      box.intersects(x) ? bricks.field(b).jet(x).gradient : impl_->field->jet(x).gradient;
+  const topology::Jet jet = impl_->field_near(brick, x).jet(x);
 
   // F's gradient vanishes on the surface only at degenerate points (F = 0 at a saddle): outward
   // from the object's centre is then as good as any direction.
-  Imath::V3d normal = -gradient;
-  if (!(normal.length2() > 0.0)) normal = x - topology::centre(impl_->bounds);
+  Imath::V3d normal = -jet.gradient;
+  const double slope = normal.length();
+  if (!(slope > 0.0)) normal = x - topology::centre(impl_->bounds);
   if (!(normal.length2() > 0.0)) normal = {0.0, 0.0, 1.0};
   normal.normalize();
 
-  const double offset =
-      2.0 * (float_error(x) + impl_->surface.tolerance() + static_cast<double>(extra_error));
-  const auto value = [&](const Imath::V3d& p) { return impl_->value_near(brick, p); };
-  const SpawnPoint front = spawn_point(x, normal, offset, -1.0, value);
-  const SpawnPoint behind = spawn_point(x, -normal, offset, 1.0, value);
-  return {Imath::V3f(normal), front.point, behind.point, front.verified && behind.verified,
-          b.component};
+  const double error =
+      float_error(x) + impl_->surface.tolerance() + static_cast<double>(extra_error);
+  const auto value = [&](const Imath::V3d& p) { return impl_->field_near(brick, p).value(p); };
+  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value);
+  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value);
+
+  ShadingPoint s;
+  s.normal = Imath::V3f(normal);
+  s.spawn_front = front.point;
+  s.spawn_behind = behind.point;
+  s.spawn_verified = front.verified && behind.verified;
+  s.component = component(brick);
+  const double step = slope > 0.0 ? std::clamp(jet.value / slope, -error, error) : 0.0;
+  s.position = x + normal * step;
+  s.position_error = std::max((Imath::V3d(front.point) - s.position).length(),
+                              (Imath::V3d(behind.point) - s.position).length());
+  return s;
+}
+
+SurfaceDetail HypertextureGeometry::detail(std::uint32_t brick, const Imath::V3d& point) const {
+  const topology::Jet jet = impl_->field_near(brick, point).jet(point);
+  const FieldParts parts = impl_->field->parts(point);
+  SurfaceDetail d;
+  d.component = component(brick);
+  d.density = parts.density;
+  d.noise = parts.noise;
+  d.reference = parts.reference;
+  d.gradient = jet.gradient;
+  d.curvature = curvature(jet);
+  return d;
 }
 
 std::uint32_t HypertextureGeometry::component(std::uint32_t brick) const {
@@ -148,6 +166,8 @@ topology::Box HypertextureGeometry::brick_bounds(std::uint32_t brick) const {
 }
 
 double HypertextureGeometry::bounds_padding() const { return impl_->callback_data.padding; }
+
+double HypertextureGeometry::tolerance() const { return impl_->surface.tolerance(); }
 
 GeometryStatistics HypertextureGeometry::statistics() const {
   const BrickSet& bricks = impl_->surface.bricks();

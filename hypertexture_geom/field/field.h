@@ -13,6 +13,15 @@
 
 namespace morsel::geom {
 
+// What a field's value F(x) is made of, for shading.
+struct FieldParts {
+  double density = 0.0;  // D, as it was before any modulation
+  double noise = 0.0;    // F(x) - D: all that the modulations did
+  // Reference coordinates: the place at which D was evaluated, that is where the point was on the
+  // object before domain warps moved it. The point itself when there are none.
+  Imath::V3d reference{0.0};
+};
+
 // A field that came from a scene file.
 class Field : public topology::ScalarField {
  public:
@@ -22,6 +31,9 @@ class Field : public topology::ScalarField {
   // A box outside of which F < 0 is certain; may be far too large. Empty when the solid is
   // unbounded.
   virtual std::optional<topology::Box> solid_bounds() const = 0;
+
+  // The parts of F(x); unless a field says otherwise, all of it is density.
+  virtual FieldParts parts(const Imath::V3d& x) const { return {value(x), 0.0, x}; }
 };
 
 // Reads {"density": {...}, "modulations": [{...}, ...]}. Throws params::InputError.
