@@ -70,6 +70,7 @@ struct alignas(64) Brick {
   // Along each axis the slices, of kSlices that the box is cut into, that may hold surface: from
   // surface_lo to before surface_hi.
   std::uint8_t surface_lo[3], surface_hi[3];
+  bool undecided;  // the leaf's content is not proved: its surface may be of several components
   static constexpr int kSlices = 16;
 };
 static_assert(sizeof(Brick) == 128);
@@ -82,7 +83,8 @@ struct SlopeRanges {
 static_assert(sizeof(SlopeRanges) == 36);
 
 // The bricks of all kept components with the fields that evaluate them. Every surface point of a
-// kept component lies in a brick, and no brick holds surface of another component than its own. A
+// kept component lies in a brick, and no brick holds surface of another component than its own, but
+// for those of undecided leaves. A
 // block is an octree cell of at most `block_levels` levels above its leaves; its field is the
 // geometry's field restricted to the block's box and a margin, so that evaluation meets few terms.
 class BrickSet {
@@ -145,6 +147,7 @@ class BrickSet {
   const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block]; }
   double margin() const { return margin_; }
 
+  bool has_slope_ranges() const { return slope_ranges_; }
   // Bounds on the derivatives of F(o + t * direction) for points within slack of brick `i`; only
   // with slope_ranges.
   RayBounds ray_bounds(std::uint32_t i, const Imath::V3d& direction) const;
@@ -156,6 +159,7 @@ class BrickSet {
   topology::Box root_;
   Imath::V3d sizes_[32];
   double margin_ = 0.0;
+  bool slope_ranges_ = false;
   std::vector<Brick> bricks_;
   std::vector<SlopeRanges> ranges_;  // empty without slope_ranges
   std::vector<std::unique_ptr<topology::ScalarField>> blocks_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/embree/membership_filter.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "topology/morse/membership.h"
 #include "topology/morse/morse_complex.h"
 
@@ -58,11 +61,17 @@ class LabelFilter final : public MembershipFilter {
   double step_;
 };
 
+topology::MorseOptions options_for(const topology::Box& box) {
+  topology::MorseOptions options;
+  options.box = box;
+  return options;
+}
+
 class StreamlineFilter final : public MembershipFilter {
  public:
   StreamlineFilter(const topology::ScalarField& field, const topology::OctreeView& octree,
                    std::vector<bool> kept)
-      : complex_(topology::morse_complex(field, {.box = octree.box})),
+      : complex_(topology::morse_complex(field, options_for(octree.box))),
         membership_(field, complex_.box, complex_.points),
         kept_(std::move(kept)) {
     components_.reserve(complex_.sets.size());

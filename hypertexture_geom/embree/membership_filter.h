@@ -21,16 +21,16 @@ class MembershipFilter {
   virtual bool keeps(const Imath::V3d& x) const = 0;
 };
 
-// Point location in the labelled octree. A point of S in a leaf whose content is proved connected or
-// full belongs to that leaf's component. Where the leaf is undecided a short streamline goes uphill
-// until it is in one that is not. `step` is a length far below the finest leaf's: how far the first
-// step goes. The field and the octree must outlive the filter.
+// Point location in the labelled octree. A point of S in a leaf whose content is proved connected
+// or full belongs to that leaf's component. Where the leaf is undecided a short streamline goes
+// uphill until it is in one that is not. `step` is a length far below the finest leaf's: how far
+// the first step goes. The field and the octree must outlive the filter.
 std::unique_ptr<MembershipFilter> make_label_filter(const topology::ScalarField& field,
                                                     const topology::OctreeView& octree,
                                                     const std::vector<bool>& kept, double step);
 
-// The paper's filter: the ascent from x ends at a maximum, whose set of maxima is kept or not. A set
-// has the component of the leaf that its highest maximum lies in. Runs the Morse engine on the
+// The paper's filter: the ascent from x ends at a maximum, whose set of maxima is kept or not. A
+// set has the component of the leaf that its highest maximum lies in. Runs the Morse engine on the
 // octree's box (seconds to minutes); throws what that throws.
 std::unique_ptr<MembershipFilter> make_streamline_filter(const topology::ScalarField& field,
                                                          const topology::OctreeView& octree,

@@ -72,6 +72,10 @@ class RaySurface {
   virtual std::uint32_t size() const = 0;  // primitives
   // Holds all surface of the primitive.
   virtual topology::Box bounds(std::uint32_t primitive) const = 0;
+  // The octree's cell that it is, if it is one; else as bounds.
+  virtual topology::Box cell(std::uint32_t primitive) const { return bounds(primitive); }
+  virtual std::uint64_t blocks() const { return 0; }  // restricted fields that primitives share
+  virtual std::uint64_t bytes() const { return 0; }   // without these fields' own memory
   // Component of its surface; kNoComponent if that depends on the place.
   virtual std::uint32_t component(std::uint32_t primitive) const = 0;
   // A field to evaluate at `x`, which need not lie in the primitive: cheaper where it does.
@@ -107,10 +111,15 @@ class RaySurface {
   // Tests that ended at the evaluation limit, by all threads.
   std::uint64_t limits() const { return limits_.load(std::memory_order_relaxed); }
 
-  // Roots on primitives that hold several components are asked for theirs; `all`: every root is.
-  void set_filter(std::shared_ptr<const MembershipFilter> filter, bool all) {
+  // Which roots are put to the filter before they count. It also answers component_at.
+  enum class Filtered {
+    kNone,
+    kMixed,  // those on primitives that may hold several components
+    kAll,
+  };
+  void set_filter(std::shared_ptr<const MembershipFilter> filter, Filtered filtered) {
     filter_ = std::move(filter);
-    filter_all_ = all;
+    filtered_ = filtered;
   }
 
   // Debug mode: every evaluation of F is compared with the bound that the solver relies on there.
@@ -137,12 +146,13 @@ class RaySurface {
 
  private:
   bool is_mixed(std::uint32_t primitive) const {
-    return filter_ && (filter_all_ || has_several(primitive));
+    return filtered_ != Filtered::kNone && (filtered_ == Filtered::kAll || has_several(primitive));
   }
   bool first_kept(std::uint32_t primitive, RaySegment ray, Root& root) const;
 
   double tolerance_;
-  bool filter_all_ = false, checking_ = false;
+  bool checking_ = false;
+  Filtered filtered_ = Filtered::kNone;
   std::shared_ptr<const MembershipFilter> filter_;
   mutable std::atomic<std::uint64_t> limits_{0}, violations_{0};
 };

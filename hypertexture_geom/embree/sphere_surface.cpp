@@ -41,16 +41,16 @@ bool SphereSurface::search(std::uint32_t, const RaySegment& ray, bool any, Root&
     if (checking()) check(std::abs(there - g) <= rate * (next - s) * (1.0 + 1e-9) + 1e-12);
     if ((there < 0.0) != (g < 0.0) || there == 0.0) {
       SegmentResult result;
-      result.evaluations = evaluations;
       if (any || there == 0.0 || next - s <= least) {
         result.t = there == 0.0 ? next : s + (next - s) * (g / (g - there));
         result.beyond = next;
       } else {
         result = refine_root(value, s, g, next, there, 0.0, least, result);
       }
+      result.evaluations += evaluations;
       count(result.evaluations, false);
-      root = {from + result.t, from + std::max(result.t, result.beyond), result.evaluations, false,
-              {}};
+      root = {
+          from + result.t, from + std::max(result.t, result.beyond), result.evaluations, false, {}};
       return root.t > ray.tnear && root.t < ray.tfar;
     }
     s = next;

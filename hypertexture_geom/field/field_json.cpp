@@ -127,6 +127,18 @@ const params::Declaration& hypertexture_declaration() {
        {"keep", Type::kString, "main",
         "Components to render: main, largest:K, volume:V, touching:X,Y,Z, all, detached, "
         "ids:I,J,..."},
+       {.name = "solver",
+        .type = Type::kChoice,
+        .default_value = "model",
+        .help = "How rays find the surface: model (fastest), segment, or sphere (the paper's).",
+        .choices = {"sphere", "segment", "model"}},
+       {.name = "membership",
+        .type = Type::kChoice,
+        .default_value = "labels",
+        .help =
+            "How detached pieces are told: labels, streamline (the paper's ascent to a maximum), "
+            "or off (every piece is kept).",
+        .choices = {"labels", "streamline", "off"}},
        {.name = "cache",
         .type = Type::kString,
         .help =
@@ -150,6 +162,13 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
   } catch (const std::invalid_argument& e) {
     reader.place("keep").fail(e.what());
   }
+  const std::string solver = reader.string("solver"), membership = reader.string("membership");
+  h.solver = solver == "sphere"    ? Solver::kSphere
+             : solver == "segment" ? Solver::kSegment
+                                   : Solver::kModel;
+  h.membership = membership == "streamline" ? Membership::kStreamline
+                 : membership == "off"      ? Membership::kOff
+                                            : Membership::kLabels;
   if (reader.has("cache")) h.cache = reader.string("cache");
   if (reader.has("bounds")) {
     h.certify.box = read_bounds(reader.object("bounds"), place / "bounds");
