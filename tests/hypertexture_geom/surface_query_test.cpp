@@ -92,12 +92,13 @@ TEST(SurfaceQueryRockTest, AllHitsAgainstAMarch) {
     const SurfaceQuery query(geometry, device);
     std::mt19937 random(32);
     int crossings = 0;
-    for (int i = 0; i < 150; ++i) {
+    for (int i = 0; i < 60; ++i) {
       const Imath::V3f d = random_direction(random), o = random_point(random, 1.0f) - d * 4.0f;
       const auto hits = query.all_hits(o, d);
       for (std::size_t k = 0; k < hits.size(); ++k) {
         EXPECT_EQ(hits[k].entering, k % 2 == 0) << i << " " << k;
-        EXPECT_NEAR(rock.field->value(Imath::V3d(o) + Imath::V3d(d) * hits[k].t), 0.0, 1e-7);
+        EXPECT_LE(std::abs(rock.field->value(Imath::V3d(o) + Imath::V3d(d) * hits[k].t)),
+                  1.1 * geometry.tolerance() * hits[k].gradient.length());
       }
       EXPECT_EQ(hits.size() % 2, 0u) << i;
       std::size_t next = 0;
@@ -113,7 +114,7 @@ TEST(SurfaceQueryRockTest, AllHitsAgainstAMarch) {
       }
       EXPECT_EQ(next, hits.size());
     }
-    EXPECT_GT(crossings, 500);
+    EXPECT_GT(crossings, 200);
   }
   rtcReleaseDevice(device);
 }
