@@ -84,11 +84,13 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   Part part;
   const Content& c = contents_[place.node];
   if (c.leaves == 0) return part;
-  std::unique_ptr<topology::ScalarField> own =
-      field.restricted_to(inflated(box_of(place), set_.margin_));
+  const topology::Box box = inflated(box_of(place), set_.margin_);
+  std::unique_ptr<topology::ScalarField> own = field.restricted_to(box);
   if (c.height <= options_.block_levels) {
     fill(place, *own, part);
-    if (!part.bricks.empty()) part.blocks.push_back(std::move(own));
+    if (part.bricks.empty()) return part;
+    auto compiled = std::make_unique<CompiledField<double>>(*own, box);
+    part.blocks.push_back({std::move(own), std::move(compiled)});
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;

@@ -37,7 +37,7 @@ class BrickBuilder {
   struct Part {
     std::vector<Brick> bricks;
     std::vector<SlopeRanges> ranges;
-    std::vector<std::unique_ptr<topology::ScalarField>> blocks;
+    std::vector<BrickSet::Block> blocks;
     void append(Part&& part);
   };
 

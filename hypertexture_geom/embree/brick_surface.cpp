@@ -46,12 +46,13 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
 
 bool BrickSurface::by_segment(std::uint32_t index, const RaySegment& ray, const Stretch& stretch,
                               bool any, Root& root) const {
-  const topology::ScalarField& field = bricks_.field(bricks_[index]);
+  const CompiledField<double>& field = bricks_.compiled(bricks_[index]);
+  const Imath::V3d entry = stretch.entry - field.centre();
   const RayBounds bounds = bricks_.ray_bounds(index, ray.direction);
   double s_before = 0.0, g_before = 0.0;  // for the debug mode
   bool has_before = false;
   const auto value = [&](double s) {
-    const double g = field.value(stretch.entry + ray.direction * s);
+    const double g = field.value(entry + ray.direction * s);
     if (checking()) {
       const double ds = s - s_before, p = bounds.slope_lo * ds, q = bounds.slope_hi * ds;
       const double dg = g - g_before;
@@ -89,28 +90,29 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
 
   const RayCubicError error{b.value_error, b.gradient_error * sum + 6.0f * b.rounding,
                             b.hessian_error * sum * sum + 24.0f * b.rounding};
-  const topology::ScalarField& field = bricks_.field(b);
+  const CompiledField<double>& field = bricks_.compiled(b);
+  const Imath::V3d entry = stretch.entry - field.centre();
   const auto check_value = [&](double s, double g) {
     const auto model = static_cast<double>(p.value(static_cast<float>(s)));
     check(std::abs(g - model) <= static_cast<double>(error.value) + kRounding);
   };
   const auto value = [&](double s) {
-    const double g = field.value(stretch.entry + step * s);
+    const double g = field.value(entry + step * s);
     if (checking()) check_value(s, g);
     return g;
   };
-  const auto jet = [&](double s, double& slope) {
-    const topology::Jet j = field.jet(stretch.entry + step * s);
-    slope = j.gradient.dot(step);
+  const auto with_gradient = [&](double s, Imath::V3d& gradient, double& slope) {
+    const double g = field.value_and_gradient(entry + step * s, gradient);
+    slope = gradient.dot(step);
     if (checking()) {
-      check_value(s, j.value);
+      check_value(s, g);
       const auto model = static_cast<double>(p.slope(static_cast<float>(s)));
       check(std::abs(slope - model) <= static_cast<double>(error.slope) + kRounding);
     }
-    return j;
+    return g;
   };
   const double length = (stretch.to - stretch.from) * stretch.speed;
-  const ModelSolver solver(value, jet, error, step, tolerance() / length);
+  const ModelSolver solver(value, with_gradient, error, tolerance() / length);
   const ModelResult r = solver.solve(p, stretch.strict, any);
   count(r.evaluations, r.limit);
   if (!r.hit) return false;
@@ -118,7 +120,15 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
   root.beyond = std::max(root.t, stretch.from + r.beyond * (stretch.to - stretch.from));
   root.evaluations = r.evaluations;
   root.has_gradient = r.has_gradient;
-  root.gradient = r.gradient;
+  if (!r.has_gradient || any) return true;
+  // From the place of the last evaluation on to the root the gradient changes by as little as the
+  // cubic's.
+  const Imath::V3d scale = Imath::V3d(2.0) / (box.max - box.min);
+  const auto at = [&](double s) {
+    return (stretch.entry + step * s - box.min) * scale - Imath::V3d(1.0);
+  };
+  const Imath::V3d change = cubic_gradient(b.c, at(r.s)) - cubic_gradient(b.c, at(r.gradient_at));
+  root.gradient = r.gradient + change * scale;
   return true;
 }
 

@@ -15,6 +15,13 @@ BrickSet::BrickSet(const topology::ScalarField& field, const topology::OctreeVie
   BrickBuilder(*this, octree, kept, options).build(field);
 }
 
+std::size_t BrickSet::bytes() const {
+  std::size_t compiled = 0;
+  for (const Block& b : blocks_) compiled += b.compiled->bytes();
+  return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
+         blocks_.capacity() * sizeof(Block) + compiled;
+}
+
 RayBounds BrickSet::ray_bounds(std::uint32_t index, const Imath::V3d& d) const {
   const SlopeRanges& b = ranges_[index];
   RayBounds r;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hypertexture_geom/embree/segment.h"
+#include "hypertexture_geom/field/compiled_field.h"
 #include "topology/box.h"
 #include "topology/local_model.h"
 #include "topology/octree.h"
@@ -111,11 +112,9 @@ class BrickSet {
   std::uint32_t size() const { return static_cast<std::uint32_t>(bricks_.size()); }
   const Brick& operator[](std::uint32_t i) const { return bricks_[i]; }
   std::size_t block_count() const { return blocks_.size(); }
-  // Without the blocks' fields, whose size only they know.
-  std::size_t bytes() const {
-    return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
-           blocks_.capacity() * sizeof(blocks_[0]);
-  }
+  // Without the blocks' restricted fields, whose size only they know; their compiled fields are
+  // included.
+  std::size_t bytes() const;
 
   // The brick's cell, exactly as the octree has it.
   topology::Box box(const Brick& b) const {
@@ -144,7 +143,9 @@ class BrickSet {
   // or corner: a ray's place is uncertain by a few ulp of its coordinates.
   double slack(const Brick& b) const { return kSlack * sizes_[b.depth].x; }
   // F on the brick's box and `margin` around it.
-  const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block]; }
+  const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block].field; }
+  // The same, compiled for values and gradients (compiled_field.h).
+  const CompiledField<double>& compiled(const Brick& b) const { return *blocks_[b.block].compiled; }
   double margin() const { return margin_; }
 
   bool has_slope_ranges() const { return slope_ranges_; }
@@ -154,6 +155,10 @@ class BrickSet {
 
  private:
   friend class BrickBuilder;
+  struct Block {
+    std::unique_ptr<topology::ScalarField> field;
+    std::unique_ptr<CompiledField<double>> compiled;
+  };
   static constexpr double kSlack = 1e-7;
 
   topology::Box root_;
@@ -162,7 +167,7 @@ class BrickSet {
   bool slope_ranges_ = false;
   std::vector<Brick> bricks_;
   std::vector<SlopeRanges> ranges_;  // empty without slope_ranges
-  std::vector<std::unique_ptr<topology::ScalarField>> blocks_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace morsel::geom

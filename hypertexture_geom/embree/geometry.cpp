@@ -201,6 +201,10 @@ topology::Box HypertextureGeometry::brick_bounds(std::uint32_t brick) const {
   return impl_->surface->cell(brick);
 }
 
+topology::Box HypertextureGeometry::primitive_bounds(std::uint32_t brick) const {
+  return impl_->surface->bounds(brick);
+}
+
 double HypertextureGeometry::bounds_padding() const { return impl_->callback_data.padding; }
 
 double HypertextureGeometry::tolerance() const { return impl_->surface->tolerance(); }

@@ -89,6 +89,7 @@ class HypertextureGeometry {
   std::uint32_t main_component() const;
   topology::Box bounds() const;                           // of the bricks; empty if there are none
   topology::Box brick_bounds(std::uint32_t brick) const;  // the octree's cell
+  topology::Box primitive_bounds(std::uint32_t brick) const;  // of its part that may hold surface
   double bounds_padding() const;  // what Embree's bounds add to that, see far_distance
   // Greatest error of a hit's place along its ray, as a length.
   double tolerance() const;
