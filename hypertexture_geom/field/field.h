@@ -38,6 +38,9 @@ class Field : public Term {
   virtual FieldParts parts(const Imath::V3d& x) const { return {value(x), 0.0, x}; }
 };
 
+// The declaration of {"density", "modulations"}.
+const params::Declaration& field_declaration();
+
 // Reads {"density": {...}, "modulations": [{...}, ...]}. Throws params::InputError.
 std::shared_ptr<const Field> field_from_json(const nlohmann::json& json,
                                              const params::Place& place);
