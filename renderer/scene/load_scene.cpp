@@ -225,8 +225,12 @@ class SceneLoader {
     const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
     const topology::Topology& topology = stored.cache->topology;
     for (const std::string& text : topology_warnings(hypertexture.name, topology)) warn(text);
-    auto geometry = std::make_shared<const geom::HypertextureGeometry>(
-        hypertexture.field, stored.cache, geom::GeometryOptions{hypertexture.keep});
+    geom::GeometryOptions ray_options;
+    ray_options.keep = hypertexture.keep;
+    ray_options.solver = hypertexture.solver;
+    ray_options.membership = hypertexture.membership;
+    auto geometry = std::make_shared<const geom::HypertextureGeometry>(hypertexture.field,
+                                                                       stored.cache, ray_options);
 
     HypertextureReport report;
     report.geometry = hypertexture.name;
