@@ -79,6 +79,27 @@ TEST_F(CacheCommandTest, InfoHasTheKeysThatOthersRelyOn) {
   EXPECT_NE(text.out.find("octree.leaves"), std::string::npos) << text.out;
 }
 
+TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
+  const json both = json::parse(build({"--engine", "both", "--json", "-o", cache_}).out)[0];
+  EXPECT_EQ(both["engine"], "both");
+  EXPECT_EQ(both["certified"], true);
+  EXPECT_EQ(both["morse"]["audit"]["agreed"], true);
+  EXPECT_EQ(both["morse"]["sets"], both["components"]);
+  EXPECT_GE(both["critical_points"]["maxima"], both["components"]);
+  int maxima = 0;
+  for (const json& c : both["component_table"]) maxima += c["maxima"].get<int>();
+  EXPECT_EQ(both["critical_points"]["maxima"], maxima);
+  // What is there serves whoever asks for certified labels, but not for the Morse engine's.
+  EXPECT_NE(build({"-o", cache_}).out.find("up to date"), std::string::npos);
+  const CommandResult morse = build({"--engine", "morse", "-o", cache_});
+  EXPECT_NE(morse.out.find("made by the engine \"both\""), std::string::npos) << morse.out;
+  EXPECT_NE(morse.out.find("NOT certified"), std::string::npos) << morse.out;
+  const json info = json::parse(run_morsel({"cache", "info", cache_, "--json"}).out);
+  EXPECT_EQ(info["components"], both["components"]);
+  EXPECT_EQ(info["critical_points"], both["critical_points"]);
+  EXPECT_EQ(build({"--engine", "guess"}).code, 2);
+}
+
 TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {
   EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 1);
   ASSERT_EQ(build({"-o", cache_}).code, 0);
