@@ -42,4 +42,5 @@ endforeach()
 
 if(MORSEL_BUILD_TESTS)
   find_package(GTest CONFIG REQUIRED)
+  find_package(benchmark CONFIG QUIET)  # libbenchmark-dev; benchmarks that are built on request only
 endif()
