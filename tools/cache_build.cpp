@@ -30,6 +30,7 @@ struct Options {
   int threads = 0;
   int max_depth = 0;  // 0: as the scene says
   std::string engine = "certified";
+  double perturbation = 0.0;
 };
 
 // Why the cache has to be built; empty when the one that is there is current.
@@ -63,7 +64,9 @@ class Builder {
         session_(session),
         reporter_(options.reporting),
         document_(options.scene.scene, overrides()),
-        engine_(topology::engine_named(options.engine)) {}
+        engine_(topology::engine_named(options.engine)) {
+    engine_.perturbation = options.perturbation;
+  }
 
   int run() {
     const auto threads = limit_threads(options_.threads);
@@ -106,7 +109,7 @@ class Builder {
     const fs::path file = options_.output.empty() ? render::cache_file_of(document_, hypertexture)
                                                   : fs::path(options_.output);
     render::CacheInspection found = render::inspect_cache(file, hypertexture.hash);
-    const std::string reason = reason_to_build(found, own_name, options_.force, engine_);
+    const std::string reason = reason_to_build(found, own_name, options_.force, engine_.engine);
     if (!reason.empty()) {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
       topology::Execution execution;
@@ -151,7 +154,7 @@ class Builder {
   const Session& session_;
   Reporter reporter_;
   render::SceneDocument document_;
-  topology::Engine engine_;
+  topology::EngineOptions engine_;
   nlohmann::json results_ = nlohmann::json::array();
 };
 
@@ -177,6 +180,12 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "labels, critical points beside them, and an audit of one by the other")
       ->check(CLI::IsMember({"certified", "morse", "both"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--perturb", options->perturbation,
+          "morse, both: look for critical points of the field plus a linear term that is at "
+          "most this on the box, for fields whose critical points are not isolated")
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

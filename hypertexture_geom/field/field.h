@@ -52,6 +52,6 @@ const params::Declaration& hypertexture_declaration();
 // Runs the engine and returns the cache, not yet written. Throws what topology::run_engine throws.
 topology::TopologyCache build_cache(const Hypertexture& hypertexture,
                                     const topology::Execution& execution = {},
-                                    topology::Engine engine = topology::Engine::kCertified);
+                                    const topology::EngineOptions& engine = {});
 
 }  // namespace morsel::geom

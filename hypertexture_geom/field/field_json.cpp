@@ -163,7 +163,8 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
 }
 
 topology::TopologyCache build_cache(const Hypertexture& hypertexture,
-                                    const topology::Execution& execution, topology::Engine engine) {
+                                    const topology::Execution& execution,
+                                    const topology::EngineOptions& engine) {
   const auto start = std::chrono::steady_clock::now();
   topology::TopologyCache cache;
   cache.topology = topology::run_engine(engine, *hypertexture.field, hypertexture.certify,

@@ -105,7 +105,7 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
 
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const fs::path& file,
-    const topology::Execution& execution, topology::Engine engine) {
+    const topology::Execution& execution, const topology::EngineOptions& engine) {
   prepare_folder(file);
   topology::TopologyCache cache = geom::build_cache(hypertexture, execution, engine);
   topology::write_cache(cache, file);

@@ -60,6 +60,6 @@ class CacheStore {
 // throws.
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const std::filesystem::path& file,
-    const topology::Execution& execution, topology::Engine engine = topology::Engine::kCertified);
+    const topology::Execution& execution, const topology::EngineOptions& engine = {});
 
 }  // namespace morsel::render

@@ -36,15 +36,16 @@ Engine engine_named(const std::string& name) {
       fmt::format("unknown engine \"{}\"; choices: certified, morse, both", name));
 }
 
-Topology run_engine(Engine engine, const ScalarField& field, const CertifyOptions& options,
-                    Sections& sections, const Execution& execution) {
+Topology run_engine(const EngineOptions& engine, const ScalarField& field,
+                    const CertifyOptions& options, Sections& sections, const Execution& execution) {
   Topology topology = certify(field, options, execution);
-  if (engine == Engine::kCertified) return topology;
+  if (engine.engine == Engine::kCertified) return topology;
   MorseOptions morse;
   morse.box = topology.box;
   morse.paths = true;
+  morse.perturbation = engine.perturbation;
   MorseComplex complex = morse_complex(field, morse, execution);
-  if (engine == Engine::kMorse) {
+  if (engine.engine == Engine::kMorse) {
     label_by_streamlines(field, complex, topology, execution);
     put_morse(sections, complex, nullptr);
   } else {
@@ -53,7 +54,7 @@ Topology run_engine(Engine engine, const ScalarField& field, const CertifyOption
     adopt_labels(result, complex, topology);
     put_morse(sections, complex, &result);
   }
-  topology.engine = to_string(engine);
+  topology.engine = to_string(engine.engine);
   return topology;
 }
 

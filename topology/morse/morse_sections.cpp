@@ -63,6 +63,7 @@ json meta_of(const MorseComplex& complex, const Audit* audit) {
           {"unresolved_boxes", complex.unresolved_boxes},
           {"places", places},
           {"lost_ascents", lost},
+          {"perturbation", complex.perturbation},
           {"boxes", complex.boxes},
           {"models", complex.models},
           {"seconds_critical_points", complex.seconds_points},
@@ -192,6 +193,7 @@ std::optional<MorseComplex> get_morse(const Sections& sections, std::size_t comp
     for (const json& l : meta.at("lost_ascents"))
       complex.lost.push_back({l.at("point").get<std::uint32_t>(), vector_of(l.at("last")),
                               l.at("reason").get<std::string>()});
+    complex.perturbation = meta.at("perturbation").get<double>();
     complex.boxes = meta.at("boxes").get<std::uint64_t>();
     complex.models = meta.at("models").get<std::uint64_t>();
     complex.seconds_points = meta.at("seconds_critical_points").get<double>();
