@@ -8,6 +8,8 @@
 namespace morsel::tools {
 
 void add_cache_build(CLI::App& parent, Session& session);
+void add_cache_compare(CLI::App& parent, Session& session);
+void add_cache_export(CLI::App& parent, Session& session);
 void add_cache_info(CLI::App& parent, Session& session);
 void add_field_eval(CLI::App& parent, Session& session);
 void add_field_sample(CLI::App& parent, Session& session);

@@ -105,9 +105,9 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
 
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const fs::path& file,
-    const topology::Execution& execution) {
+    const topology::Execution& execution, const topology::EngineOptions& engine) {
   prepare_folder(file);
-  topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
+  topology::TopologyCache cache = geom::build_cache(hypertexture, execution, engine);
   topology::write_cache(cache, file);
   return std::make_shared<const topology::TopologyCache>(std::move(cache));
 }

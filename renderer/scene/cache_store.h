@@ -56,9 +56,10 @@ class CacheStore {
 };
 
 // Builds the cache and writes it to `file`, making the folder. Throws topology::CacheError when it
-// cannot be written (before the build, if that can be known then) and topology::Cancelled.
+// cannot be written (before the build, if that can be known then) and what topology::run_engine
+// throws.
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const std::filesystem::path& file,
-    const topology::Execution& execution);
+    const topology::Execution& execution, const topology::EngineOptions& engine = {});
 
 }  // namespace morsel::render
