@@ -18,7 +18,9 @@ using namespace morsel::tools;
 constexpr struct {
   const char* name;
   const char* help;
-} kRendererCommands[] = {{"render", "Render a scene"}, {"scene", "Look at a scene file: check"}};
+} kRendererCommands[] = {{"bench", "Measure rays against those of a mesh"},
+                         {"render", "Render a scene"},
+                         {"scene", "Look at a scene file: check"}};
 
 // Beside this executable in a build tree, in its own folder when installed.
 std::filesystem::path renderer_executable() {
