@@ -147,8 +147,8 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
     if (state.vertex > scene_.settings.max_depth) break;
 
     const V3f wo = -state.ray.direction;
-    const Bsdf bsdf(scene_.materials[hit.material], hit.p, hit.geometric_normal, hit.shading_normal,
-                    wo, state.smallest_alpha);
+    const Bsdf bsdf(materials_.parameters(hit, state.smallest_alpha), hit.geometric_normal,
+                    hit.shading_normal, wo);
     const bool delta = bsdf.delta();
     if (state.features_open && !delta) {
       state.features_open = false;

@@ -6,6 +6,7 @@
 #include "renderer/film/film.h"
 #include "renderer/integrator/render.h"
 #include "renderer/light/light_set.h"
+#include "renderer/material/material_set.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/scene.h"
 
@@ -19,10 +20,11 @@ namespace morsel::render {
 // thread-safe.
 class PathTracer {
  public:
-  PathTracer(const Scene& scene, const SceneAccel& accel, const LightSet& lights,
-             const Camera& camera, DirectLighting direct_lighting)
+  PathTracer(const Scene& scene, const SceneAccel& accel, const MaterialSet& materials,
+             const LightSet& lights, const Camera& camera, DirectLighting direct_lighting)
       : scene_(scene),
         accel_(accel),
+        materials_(materials),
         lights_(lights),
         camera_(camera),
         direct_lighting_(direct_lighting) {}
@@ -42,6 +44,7 @@ class PathTracer {
 
   const Scene& scene_;
   const SceneAccel& accel_;
+  const MaterialSet& materials_;
   const LightSet& lights_;
   const Camera& camera_;
   DirectLighting direct_lighting_;

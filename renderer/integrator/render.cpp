@@ -143,10 +143,12 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
     const SceneAccel accel(scene);
     statistics.accel = accel.statistics();
     statistics.seconds.emplace_back("build", watch.restart());
+    const MaterialSet materials(scene);
+    statistics.seconds.emplace_back("materials", watch.restart());
     const LightSet lights(scene, options.direct_lighting == DirectLighting::kLightsOnly);
     statistics.seconds.emplace_back("lights", watch.restart());
 
-    const PathTracer tracer(scene, accel, lights, camera, options.direct_lighting);
+    const PathTracer tracer(scene, accel, materials, lights, camera, options.direct_lighting);
     TileRenderer tiles(tracer, settings, options, result);
     tbb::parallel_for(
         tbb::blocked_range<int>(0, tiles.count(), 1),

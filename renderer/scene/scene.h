@@ -20,18 +20,40 @@ class HypertextureGeometry;
 // Rec. 709.
 namespace morsel::render {
 
-enum class MaterialType { kDiffuse, kConductor, kDielectric };
+enum class MaterialType { kDiffuse, kConductor, kDielectric, kPrincipled };
 
+// The principled material is glTF 2.0's metallic-roughness model with the extensions KHR_materials_
+// clearcoat, ior, sheen, specular, transmission, volume and emissive_strength. Every roughness is
+// perceptual: GGX's alpha is its square; 0 is a perfect mirror or clear glass.
 struct Material {
   std::string name;
   MaterialType type = MaterialType::kDiffuse;
   Imath::V3f color{0.5f};  // diffuse albedo; conductor: reflectance at normal incidence;
-                           // dielectric: transmission tint
-  float roughness = 0.0f;  // perceptual, alpha = roughness^2; 0 is a perfect mirror or clear glass
-  float ior = 1.5f;        // dielectric
+                           // dielectric: tint of light that passes through; principled: all three
+  float roughness = 0.0f;
+  float diffuse_roughness = 0.0f;  // of the matte body: 0 is Lambert's, 1 the roughest
+  float ior = 1.5f;                // dielectric and principled; of the inside
   std::optional<Imath::V3f>
       checker_color;          // diffuse: second colour of a checkerboard in world x, z
   float checker_size = 1.0f;  // side of one square
+
+  // Principled only.
+  float metallic = 0.0f;
+  float specular = 1.0f;            // scales the reflection of what is not metal
+  Imath::V3f specular_color{1.0f};  // tints it at normal incidence
+  float clearcoat = 0.0f, clearcoat_roughness = 0.0f;
+  Imath::V3f sheen_color{0.0f};
+  float sheen_roughness = 0.0f;
+  float transmission = 0.0f;
+  bool thin = false;  // a sheet without an inside: refracts nothing
+
+  // Dielectric and principled: white light becomes `attenuation_color` on this length of way
+  // through the inside. 0: nothing is absorbed, and `color` tints what passes.
+  float attenuation_distance = 0.0f;
+  Imath::V3f attenuation_color{1.0f};
+
+  Imath::V3f emission{0.0f};  // radiance, on both sides
+  float opacity = 1.0f;       // share of rays that the surface is there for
 };
 
 struct TriangleMesh {
