@@ -27,7 +27,8 @@ class Diffuse {
     if (wi.z <= 0.0f) return std::nullopt;
     return LobeSample{.wi = wi,
                       .weight = roughness_ > 0.0f ? rough_albedo(wo, wi) : albedo_,
-                      .pdf = wi.z * kInvPi};
+                      .pdf = wi.z * kInvPi,
+                      .diffuse = true};
   }
   bool delta() const { return false; }
   float spread() const { return 1.0f; }

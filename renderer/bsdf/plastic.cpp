@@ -30,7 +30,7 @@ std::optional<LobeSample> Plastic::sample(const V3f& wo, float choice, const V2f
   if (!s) return s;
   const LobeValue v = evaluate(wo, s->wi);
   if (!(v.pdf > 0.0f)) return std::nullopt;
-  return LobeSample{.wi = s->wi, .weight = v.value / v.pdf, .pdf = v.pdf};
+  return LobeSample{.wi = s->wi, .weight = v.value / v.pdf, .pdf = v.pdf, .diffuse = s->diffuse};
 }
 
 }  // namespace morsel::render

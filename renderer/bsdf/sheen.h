@@ -30,7 +30,7 @@ class Sheen {
     const V3f wi = square_to_cosine_hemisphere(u);
     const LobeValue v = evaluate(wo, wi);
     if (!(v.pdf > 0.0f)) return std::nullopt;
-    return LobeSample{.wi = wi, .weight = v.value / v.pdf, .pdf = v.pdf};
+    return LobeSample{.wi = wi, .weight = v.value / v.pdf, .pdf = v.pdf, .diffuse = true};
   }
   bool delta() const { return false; }
   float spread() const { return 1.0f; }
