@@ -1,42 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/cache_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
-#include <xxhash.h>
 
-#include <bit>
-#include <cerrno>
-#include <cstddef>
-#include <cstring>
-#include <fstream>
+#include <algorithm>
+#include <iterator>
 #include <span>
+#include <string_view>
 
 namespace morsel::topology {
 namespace {
 
 using nlohmann::json;
 
-static_assert(std::endian::native == std::endian::little, "cache files are little-endian");
-
-constexpr char kMagic[8] = {'M', 'O', 'R', 'S', 'T', 'O', 'P', 'O'};
-constexpr std::uint32_t kVersion = 1;
-
-// The first bytes of a file. Sections start at multiples of 64 so that they can be used where they
-// are mapped.
-struct Header {
-  char magic[8];
-  std::uint32_t version;
-  std::uint32_t header_bytes;
-  std::uint64_t file_bytes;
-  std::uint64_t meta_offset, meta_bytes;  // JSON
-  std::uint64_t node_offset, node_count;
-  std::uint64_t component_offset, component_count;
-  std::uint64_t reserved[6];
-  std::uint64_t checksum;  // XXH3 of the whole file with this field zero
-};
-static_assert(sizeof(Header) == 128);
+// The sections that every cache has.
+constexpr std::string_view kMeta = "meta";              // JSON
+constexpr std::string_view kNodes = "octree.nodes";     // OctreeNode
+constexpr std::string_view kComponents = "components";  // ComponentRecord
+constexpr std::string_view kOwn[] = {kMeta, kNodes, kComponents};
 
 struct ComponentRecord {
   double bounds[6];
@@ -46,22 +27,6 @@ struct ComponentRecord {
   double seed_volume;
 };
 static_assert(sizeof(ComponentRecord) == 112);
-
-std::uint64_t aligned(std::uint64_t offset) { return (offset + 63) & ~std::uint64_t{63}; }
-
-std::uint64_t checksum_of(std::span<const std::byte> file) {
-  // Streamed, since the field itself counts as zero.
-  XXH3_state_t* state = XXH3_createState();
-  XXH3_64bits_reset(state);
-  constexpr std::size_t at = offsetof(Header, checksum);
-  const std::uint64_t zero = 0;
-  XXH3_64bits_update(state, file.data(), at);
-  XXH3_64bits_update(state, &zero, sizeof zero);
-  XXH3_64bits_update(state, file.data() + at + sizeof zero, file.size() - at - sizeof zero);
-  const std::uint64_t sum = XXH3_64bits_digest(state);
-  XXH3_freeState(state);
-  return sum;
-}
 
 json vector_json(const Imath::V3d& v) { return {v.x, v.y, v.z}; }
 
@@ -158,160 +123,67 @@ void check_tree(const Topology& t, const std::string& where) {
     throw CacheError(where + ": octree has another number of leaves than its header says");
 }
 
-// Owns a temporary file until it is renamed.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::filesystem::path& target)
-      : target_(target), path_(target.string() + fmt::format(".{}.tmp", ::getpid())) {
-    fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (fd_ < 0) fail("cannot create");
-  }
-  ~TemporaryFile() {
-    if (fd_ >= 0) ::close(fd_);
-    if (!path_.empty()) ::unlink(path_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+ComponentRecord record_of(const Component& c) {
+  return {{c.bounds.min.x, c.bounds.min.y, c.bounds.min.z, c.bounds.max.x, c.bounds.max.y,
+           c.bounds.max.z},
+          c.volume_lo,
+          c.volume_hi,
+          c.cells,
+          c.maxima,
+          {c.seed.x, c.seed.y, c.seed.z},
+          c.seed_volume};
+}
 
-  void write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(fd_, bytes.data(), std::min<std::size_t>(bytes.size(), 1u << 30));
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail("cannot write");
-      bytes = bytes.subspan(static_cast<std::size_t>(n));
-    }
-  }
-  void publish() {
-    if (::fsync(fd_) != 0) fail("cannot write");
-    const int fd = fd_;
-    fd_ = -1;
-    if (::close(fd) != 0) fail("cannot write");
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot rename");
-    path_.clear();
-  }
-
- private:
-  [[noreturn]] void fail(const char* what) const {
-    throw CacheError(fmt::format("{}: {}: {}", target_.string(), what, std::strerror(errno)));
-  }
-  std::filesystem::path target_;
-  std::string path_;
-  int fd_ = -1;
-};
+Component component_of(const ComponentRecord& r) {
+  Component c;
+  c.bounds = Box(Imath::V3d(r.bounds[0], r.bounds[1], r.bounds[2]),
+                 Imath::V3d(r.bounds[3], r.bounds[4], r.bounds[5]));
+  c.volume_lo = r.volume_lo;
+  c.volume_hi = r.volume_hi;
+  c.cells = r.cells;
+  c.maxima = r.maxima;
+  c.seed = Imath::V3d(r.seed[0], r.seed[1], r.seed[2]);
+  c.seed_volume = r.seed_volume;
+  return c;
+}
 
 }  // namespace
 
 void write_cache(TopologyCache& cache, const std::filesystem::path& path) {
   const Topology& t = cache.topology;
   const std::string meta = meta_of(cache).dump();
-  Header header{};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  header.version = kVersion;
-  header.header_bytes = sizeof(Header);
-  header.meta_offset = sizeof(Header);
-  header.meta_bytes = meta.size();
-  header.node_offset = aligned(header.meta_offset + header.meta_bytes);
-  header.node_count = t.nodes.size();
-  header.component_offset = aligned(header.node_offset + header.node_count * sizeof(OctreeNode));
-  header.component_count = t.components.size();
-  header.file_bytes = header.component_offset + header.component_count * sizeof(ComponentRecord);
-
-  std::vector<std::byte> file(header.file_bytes, std::byte{0});
-  std::memcpy(file.data() + header.meta_offset, meta.data(), meta.size());
-  std::memcpy(file.data() + header.node_offset, t.nodes.data(),
-              t.nodes.size() * sizeof(OctreeNode));
-  for (std::size_t i = 0; i < t.components.size(); ++i) {
-    const Component& c = t.components[i];
-    const ComponentRecord record{{c.bounds.min.x, c.bounds.min.y, c.bounds.min.z, c.bounds.max.x,
-                                  c.bounds.max.y, c.bounds.max.z},
-                                 c.volume_lo,
-                                 c.volume_hi,
-                                 c.cells,
-                                 c.maxima,
-                                 {c.seed.x, c.seed.y, c.seed.z},
-                                 c.seed_volume};
-    std::memcpy(file.data() + header.component_offset + i * sizeof record, &record, sizeof record);
-  }
-  std::memcpy(file.data(), &header, sizeof header);
-  header.checksum = checksum_of(file);
-  std::memcpy(file.data(), &header, sizeof header);
-
-  TemporaryFile temporary(path);
-  temporary.write(file);
-  temporary.publish();
-  cache.bytes = header.file_bytes;
+  std::vector<ComponentRecord> components;
+  components.reserve(t.components.size());
+  for (const Component& c : t.components) components.push_back(record_of(c));
+  SectionWriter writer(path);
+  writer.add(kMeta, std::as_bytes(std::span(meta)), 1, true);
+  writer.add_records<ComponentRecord>(kComponents, components, true);
+  writer.add_records<OctreeNode>(kNodes, t.nodes, true);
+  for (const Section& s : cache.sections.all()) writer.add(s.name, s.bytes, s.element_bytes);
+  cache.bytes = writer.publish();
 }
 
 TopologyCache read_cache(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code ec;
-  if (std::filesystem::is_directory(path, ec))
-    throw CacheError(name + ": is a directory, not a cache file");
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  if (!in) throw CacheError(fmt::format("{}: cannot open: {}", name, std::strerror(errno)));
-  const auto size = static_cast<std::uint64_t>(in.tellg());
-  if (size < sizeof(Header))
-    throw CacheError(fmt::format("{}: not a topology cache: {} bytes are fewer than its header has",
-                                 name, size));
-  in.seekg(0);
-  Header header;
-  in.read(reinterpret_cast<char*>(&header), sizeof header);
-  if (!in || std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    throw CacheError(name + ": not a topology cache: wrong first bytes");
-  if (header.version != kVersion)
-    throw CacheError(
-        fmt::format("{}: version {} of the cache format; this program reads version {}", name,
-                    header.version, kVersion));
-  if (header.file_bytes != size)
-    throw CacheError(fmt::format("{}: truncated or overlong: {} bytes instead of {}", name, size,
-                                 header.file_bytes));
-
-  const auto check_section = [&](const char* what, std::uint64_t offset, std::uint64_t count,
-                                 std::uint64_t each) {
-    if (offset < sizeof(Header) || offset > size || count > (size - offset) / each)
-      throw CacheError(fmt::format("{}: header: {} lie outside the file", name, what));
-  };
-  check_section("metadata", header.meta_offset, header.meta_bytes, 1);
-  check_section("octree nodes", header.node_offset, header.node_count, sizeof(OctreeNode));
-  check_section("components", header.component_offset, header.component_count,
-                sizeof(ComponentRecord));
-  if (header.node_count == 0 || header.node_count > kNoComponent)
-    throw CacheError(fmt::format("{}: header: {} octree nodes", name, header.node_count));
-
-  std::vector<std::byte> file(size);
-  in.seekg(0);
-  in.read(reinterpret_cast<char*>(file.data()), static_cast<std::streamsize>(size));
-  if (!in) throw CacheError(name + ": cannot read");
-  if (checksum_of(file) != header.checksum)
-    throw CacheError(name + ": damaged: the checksum does not match");
-
+  const SectionFile file(path);
+  file.require_known(kOwn);
   TopologyCache cache;
-  cache.bytes = size;
+  cache.bytes = file.bytes();
   try {
-    const char* meta = reinterpret_cast<const char*>(file.data()) + header.meta_offset;
-    read_meta(json::parse(meta, meta + header.meta_bytes), cache);
+    const std::vector<char> meta = file.read_records<char>(kMeta);
+    read_meta(json::parse(meta.begin(), meta.end()), cache);
   } catch (const json::exception& e) {
-    throw CacheError(fmt::format("{}: metadata: {}", name, e.what()));
+    throw CacheError(fmt::format("{}: metadata: {}", file.name(), e.what()));
   }
   Topology& t = cache.topology;
-  t.nodes.resize(header.node_count);
-  std::memcpy(t.nodes.data(), file.data() + header.node_offset,
-              header.node_count * sizeof(OctreeNode));
-  t.components.resize(header.component_count);
-  for (std::size_t i = 0; i < t.components.size(); ++i) {
-    ComponentRecord r;
-    std::memcpy(&r, file.data() + header.component_offset + i * sizeof r, sizeof r);
-    Component& c = t.components[i];
-    c.bounds = Box(Imath::V3d(r.bounds[0], r.bounds[1], r.bounds[2]),
-                   Imath::V3d(r.bounds[3], r.bounds[4], r.bounds[5]));
-    c.volume_lo = r.volume_lo;
-    c.volume_hi = r.volume_hi;
-    c.cells = r.cells;
-    c.maxima = r.maxima;
-    c.seed = Imath::V3d(r.seed[0], r.seed[1], r.seed[2]);
-    c.seed_volume = r.seed_volume;
-  }
-  check_tree(t, name);
+  for (const ComponentRecord& r : file.read_records<ComponentRecord>(kComponents))
+    t.components.push_back(component_of(r));
+  t.nodes = file.read_records<OctreeNode>(kNodes);
+  if (t.nodes.empty() || t.nodes.size() > kNoComponent)
+    throw CacheError(fmt::format("{}: {} octree nodes", file.name(), t.nodes.size()));
+  check_tree(t, file.name());
+  for (const SectionEntry& e : file.entries())
+    if (std::find(std::begin(kOwn), std::end(kOwn), e.name) == std::end(kOwn))
+      cache.sections.put({e.name, e.element_bytes, file.read(e.name)});
   return cache;
 }
 
@@ -342,6 +214,8 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
   json unresolved = json::array();
   for (const Unresolved& u : t.unresolved)
     unresolved.push_back({{"box", box_json(u.box)}, {"value", u.value}});
+  json sections = json::object();
+  for (const Section& s : cache.sections.all()) sections[s.name] = s.bytes.size();
   return {
       {"components", t.components.size()},
       {"components_bounds",
@@ -360,6 +234,7 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
       {"field", cache.field},
       {"seconds", cache.seconds},
       {"bytes", cache.bytes},
+      {"sections", sections},  // of other engines: bytes
       {"box", box_json(t.box)},
       {"touches_box", t.touches_box ? vector_json(*t.touches_box) : json()},
       {"octree",

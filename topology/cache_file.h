@@ -4,19 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "topology/certified.h"
+#include "topology/section_file.h"
 
 namespace morsel::topology {
-
-// What is wrong with a cache file: the message names the file and the place in it.
-struct CacheError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 // A topology cache: a labelled octree with its component table, and what it was built from.
 struct TopologyCache {
@@ -25,12 +20,15 @@ struct TopologyCache {
   nlohmann::json field;     // that canonical JSON
   double seconds = 0.0;     // wall-clock time of the build
   std::uint64_t bytes = 0;  // size of the file it was read from or written to
+  // What else the file holds: results of other engines, each in sections of their own. They are
+  // read and written as they are; who knows their names validates what they say.
+  Sections sections;
 };
 
 // Writes to a temporary file beside `path`, then renames it. Sets cache.bytes. Throws CacheError.
 void write_cache(TopologyCache& cache, const std::filesystem::path& path);
 
-// Reads and validates everything: magic, version, sizes, checksum, node indices and counts. Throws
+// Reads and validates everything: magic, version, sizes, checksums, node indices and counts. Throws
 // CacheError.
 TopologyCache read_cache(const std::filesystem::path& path);
 
