@@ -14,6 +14,7 @@ const params::Declaration& render_declaration();
 const params::Declaration& diffuse_declaration();
 const params::Declaration& conductor_declaration();
 const params::Declaration& dielectric_declaration();
+const params::Declaration& principled_declaration();
 
 const params::Declaration& mesh_declaration();
 const params::Declaration& rectangle_declaration();
@@ -22,6 +23,11 @@ const params::Declaration& sphere_declaration();
 const params::Declaration& instance_declaration();
 
 const params::Declaration& environment_light_declaration();
+const params::Declaration& sky_light_declaration();
 const params::Declaration& rectangle_light_declaration();
+const params::Declaration& disk_light_declaration();
+const params::Declaration& sphere_light_declaration();
+const params::Declaration& point_light_declaration();
+const params::Declaration& distant_light_declaration();
 
 }  // namespace morsel::render

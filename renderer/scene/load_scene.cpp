@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <utility>
 
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/mesh/mesh_file.h"
@@ -96,7 +97,7 @@ class SceneLoader {
           std::find(material_names_.begin(), material_names_.end(), name) != material_names_.end();
       material_names_.push_back(name);
       scene_.materials.emplace_back();
-      scene_.materials.back() = read_material(object, place);
+      scene_.materials.back() = read_material(object, place, scene_.light_groups);
       if (repeated)
         (place / "name").fail(fmt::format("\"{}\" is the name of another material", name));
     });
@@ -104,16 +105,12 @@ class SceneLoader {
 
   void load_lights() {
     for_each("lights", [&](const json& object, const Place& place, std::size_t) {
-      const auto light = read_light(object, place);
-      if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
-        scene_.rectangles.push_back(*rectangle);
-        return;
-      }
-      if (scene_.environment) place.fail("a scene has at most one environment light");
-      EnvironmentLight environment = std::get<EnvironmentLight>(light);
-      if (!environment.file.empty())
-        environment.file = readable_image(environment.file, place / "file");
-      scene_.environment = std::move(environment);
+      const bool had_environment = scene_.environment.has_value();
+      read_light(object, place, scene_);
+      if (had_environment || !scene_.environment || scene_.environment->file.empty()) return;
+      std::string& file = scene_.environment->file;
+      const std::string name = std::exchange(file, "");
+      file = readable_image(name, place / "file");
     });
   }
 
@@ -149,6 +146,10 @@ class SceneLoader {
       Instance instance;
       instance.name = entry.name;
       instance.object_to_world = entry.object_to_world;
+      instance.object_to_world_end = entry.object_to_world_end;
+      instance.visible_to_camera = entry.visible_to_camera;
+      instance.visible_to_bounces = entry.visible_to_bounces;
+      instance.casts_shadow = entry.casts_shadow;
       instance.geometry =
           find_name(entry.geometry, geometry_names_, "geometry", place / "geometry");
       instance.material =

@@ -4,8 +4,8 @@
 #include <Imath/ImathMatrix.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "hypertexture_geom/params/json_reader.h"
@@ -14,13 +14,19 @@
 // From the JSON objects of a scene file to the structs of scene.h. All throw params::InputError.
 namespace morsel::render {
 
-PerspectiveCamera read_camera(const nlohmann::json& object, const params::Place& place);
+SceneCamera read_camera(const nlohmann::json& object, const params::Place& place);
 RenderSettings read_settings(const nlohmann::json& object, const params::Place& place);
-Material read_material(const nlohmann::json& object, const params::Place& place);
 
-// "environment" or "rectangle". The environment's file is as written in the scene.
-std::variant<EnvironmentLight, RectangleLight> read_light(const nlohmann::json& object,
-                                                          const params::Place& place);
+// Appends names of light groups that are new to `light_groups`.
+Material read_material(const nlohmann::json& object, const params::Place& place,
+                       std::vector<std::string>& light_groups);
+
+// Adds a light of any type to `scene`. The environment's file is as written in the scene.
+void read_light(const nlohmann::json& object, const params::Place& place, Scene& scene);
+
+// Index of the light group that the object's "group" names, which is added if it is new; kNoGroup
+// if it names none.
+std::uint32_t light_group(const params::JsonReader& reader, std::vector<std::string>& names);
 
 // An instance by names; the loader turns them into indices.
 struct InstanceEntry {
@@ -29,6 +35,8 @@ struct InstanceEntry {
   std::string material;
   std::string detached_material;  // empty: none
   Imath::M44d object_to_world;    // row vectors, as Imath has it
+  std::optional<Imath::M44d> object_to_world_end;
+  bool visible_to_camera = true, visible_to_bounces = true, casts_shadow = true;
 };
 InstanceEntry read_instance(const nlohmann::json& object, const params::Place& place);
 
