@@ -12,6 +12,9 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(assimp CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(Eigen3 3.4 CONFIG REQUIRED)
+find_package(nanoflann CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
@@ -39,4 +42,5 @@ endforeach()
 
 if(MORSEL_BUILD_TESTS)
   find_package(GTest CONFIG REQUIRED)
+  find_package(benchmark CONFIG QUIET)  # libbenchmark-dev; benchmarks that are built on request only
 endif()

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "hypertexture_geom/embree/bricks.h"
+#include "hypertexture_geom/embree/solver.h"
 
 namespace morsel::geom {
 
@@ -30,13 +31,15 @@ RayStatistics& ray_statistics();
 class BrickSurface {
  public:
   // `tolerance` is the greatest error of a hit along the ray, as a length.
-  BrickSurface(BrickSet bricks, double tolerance)
-      : bricks_(std::move(bricks)), tolerance_(tolerance) {}
+  BrickSurface(BrickSet bricks, double tolerance, Solver solver)
+      : bricks_(std::move(bricks)), tolerance_(tolerance), solver_(solver) {}
 
   struct Root {
     double t;       // first root in (tnear, tfar)
     double beyond;  // where to go on for the next: pass it as tnear
     int evaluations;
+    bool has_gradient = false;
+    Imath::V3d gradient{0.0};  // of F at the root, if the search came by it
   };
   // The first root of F along the ray within the brick and its slack. Both directions of crossing
   // are roots. If F is 0 at tnear itself, that root is not in the open interval and is left out.
@@ -49,8 +52,9 @@ class BrickSurface {
     return search(brick, ray, true, root);
   }
   // Gradient of F at a root.
-  Imath::V3d gradient(std::uint32_t brick, const RaySegment& ray, double t) const {
-    return bricks_.field(bricks_[brick]).jet(ray.origin + ray.direction * t).gradient;
+  Imath::V3d gradient(std::uint32_t brick, const RaySegment& ray, const Root& root) const {
+    if (root.has_gradient) return root.gradient;
+    return bricks_.field(bricks_[brick]).jet(ray.origin + ray.direction * root.t).gradient;
   }
 
   const BrickSet& bricks() const { return bricks_; }
@@ -59,10 +63,23 @@ class BrickSurface {
   std::uint64_t limits() const { return limits_.load(std::memory_order_relaxed); }
 
  private:
+  // The ray's stretch within a brick.
+  struct Stretch {
+    double from, to;
+    Imath::V3d entry;  // at `from`, so that a far origin costs no precision in F
+    double speed;      // length of the direction
+    bool strict;       // the ray starts there: a root at `from` is not a hit
+  };
   bool search(std::uint32_t brick, const RaySegment& ray, bool any, Root& root) const;
+  bool by_segment(std::uint32_t brick, const RaySegment& ray, const Stretch& stretch, bool any,
+                  Root& root) const;
+  bool by_model(const Brick& brick, const RaySegment& ray, const Stretch& stretch, bool any,
+                Root& root) const;
+  void count(int evaluations, bool limit) const;
 
   BrickSet bricks_;
   double tolerance_;
+  Solver solver_;
   mutable std::atomic<std::uint64_t> limits_{0};
 };
 

@@ -12,6 +12,7 @@
 
 #include "hypertexture_geom/embree/segment.h"
 #include "topology/box.h"
+#include "topology/local_model.h"
 #include "topology/octree.h"
 #include "topology/scalar_field.h"
 
@@ -53,26 +54,51 @@ class CoarseRange {
   std::uint16_t lo_ = 0, hi_ = 0;
 };
 
-// One leaf of the octree that holds surface of a kept component: what a ray needs to know of it.
-struct Brick {
+// A box that holds surface of a kept component: an octree cell, or a part of a leaf. 128 bytes, two
+// cache lines. Its cubic is in coordinates u that span [-1, 1] over the box along each axis.
+struct alignas(64) Brick {
+  float c[topology::monomial::kCount];  // the cubic P, in the order of topology::monomial
+  // Bounds on the brick and its slack, rounding of restrict_to_ray included:
+  float value_error;         // |F - P|
+  float gradient_error;      // |dF/du_i - dP/du_i|, every i
+  float hessian_error;       // |d2F/du_i du_j - d2P/du_i du_j|, every i, j
+  float rounding;            // the part of value_error that is rounding of float
   std::uint32_t cell[3];     // its place among the 2^depth cells of that level, along each axis
   std::uint32_t depth : 5;   // level in the octree
   std::uint32_t block : 27;  // index of the restricted field that it shares
   std::uint32_t component;   // id in the table of components
-  CoarseRange gradient[3];   // ranges of dF/dx_i on the inflated brick
-  CoarseRange hessian[6];    // and of xx, yy, zz, xy, xz, yz
+  // Along each axis the slices, of kSlices that the box is cut into, that may hold surface: from
+  // surface_lo to before surface_hi.
+  std::uint8_t surface_lo[3], surface_hi[3];
+  static constexpr int kSlices = 16;
 };
-static_assert(sizeof(Brick) == 56);
+static_assert(sizeof(Brick) == 128);
 
-// The bricks of all kept components with the fields that evaluate them. A block is an octree cell
-// of at most `block_levels` levels above its bricks; its field is the geometry's field restricted
-// to the block's box and a margin, so that evaluation meets few terms.
+// What the segment solver knows of a brick instead: ranges of the derivatives on it.
+struct SlopeRanges {
+  CoarseRange gradient[3];  // dF/dx_i
+  CoarseRange hessian[6];   // xx, yy, zz, xy, xz, yz
+};
+static_assert(sizeof(SlopeRanges) == 36);
+
+// The bricks of all kept components with the fields that evaluate them. Every surface point of a
+// kept component lies in a brick, and no brick holds surface of another component than its own. A
+// block is an octree cell of at most `block_levels` levels above its leaves; its field is the
+// geometry's field restricted to the block's box and a margin, so that evaluation meets few terms.
 class BrickSet {
  public:
   struct Options {
     int block_levels = 4;
     // Kept around every block: points within it of a brick may be evaluated by `field`.
     double margin = 0.0;
+    // Bricks are the leaves, whatever their models' errors, and know their ranges of slopes.
+    bool slope_ranges = false;
+    // Else a brick is the largest cell, up to merge_levels above a leaf, whose model's error is
+    // below this share of the change of F across half of it; leaves are halved, up to split_levels
+    // times, while it is not.
+    double error_ratio = 0.03;
+    int merge_levels = 2;
+    int split_levels = 1;
   };
 
   // `kept[id]` for every component of the octree. Runs in the caller's TBB arena; the result does
@@ -85,13 +111,13 @@ class BrickSet {
   std::size_t block_count() const { return blocks_.size(); }
   // Without the blocks' fields, whose size only they know.
   std::size_t bytes() const {
-    return bricks_.capacity() * sizeof(Brick) + blocks_.capacity() * sizeof(blocks_[0]);
+    return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
+           blocks_.capacity() * sizeof(blocks_[0]);
   }
 
-  // The octree leaf itself, exactly as the octree has it.
+  // The brick's cell, exactly as the octree has it.
   topology::Box box(const Brick& b) const {
-    const double scale = std::ldexp(1.0, -static_cast<int>(b.depth));
-    const Imath::V3d cell = size_ * scale;
+    const Imath::V3d& cell = sizes_[b.depth];
     topology::Box r;
     for (int i = 0; i < 3; ++i) {
       r.min[i] = root_.min[i] + b.cell[i] * cell[i];
@@ -99,24 +125,39 @@ class BrickSet {
     }
     return r;
   }
+  // The part of it that may hold surface.
+  topology::Box surface_box(const Brick& b) const {
+    const Imath::V3d& cell = sizes_[b.depth];
+    constexpr double kSlice = 1.0 / Brick::kSlices;
+    topology::Box r;
+    for (int i = 0; i < 3; ++i) {
+      r.min[i] = root_.min[i] + (b.cell[i] + kSlice * b.surface_lo[i]) * cell[i];
+      r.max[i] = root_.min[i] + (b.cell[i] + kSlice * b.surface_hi[i]) * cell[i];
+    }
+    return r;
+  }
+  // Edges of the cells of a level.
+  const Imath::V3d& cell_size(std::uint32_t depth) const { return sizes_[depth]; }
   // How far around its box a brick answers for roots, so that none is lost on a shared face, edge
   // or corner: a ray's place is uncertain by a few ulp of its coordinates.
-  double slack(const topology::Box& box) const { return kSlack * (box.max.x - box.min.x); }
+  double slack(const Brick& b) const { return kSlack * sizes_[b.depth].x; }
   // F on the brick's box and `margin` around it.
   const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block]; }
   double margin() const { return margin_; }
 
-  // Bounds on the derivatives of F(o + t * direction) for points within slack of the brick.
-  RayBounds ray_bounds(const Brick& b, const Imath::V3d& direction) const;
+  // Bounds on the derivatives of F(o + t * direction) for points within slack of brick `i`; only
+  // with slope_ranges.
+  RayBounds ray_bounds(std::uint32_t i, const Imath::V3d& direction) const;
 
  private:
+  friend class BrickBuilder;
   static constexpr double kSlack = 1e-7;
-  struct Builder;
 
   topology::Box root_;
-  Imath::V3d size_{0.0};
+  Imath::V3d sizes_[32];
   double margin_ = 0.0;
   std::vector<Brick> bricks_;
+  std::vector<SlopeRanges> ranges_;  // empty without slope_ranges
   std::vector<std::unique_ptr<topology::ScalarField>> blocks_;
 };
 

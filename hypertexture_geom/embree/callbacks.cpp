@@ -19,7 +19,7 @@ float above(double x) { return -below(-x); }
 void bounds_callback(const RTCBoundsFunctionArguments* arguments) noexcept {
   const CallbackData& data = data_of(arguments->geometryUserPtr);
   const BrickSet& bricks = data.surface->bricks();
-  const topology::Box box = bricks.box(bricks[arguments->primID]);
+  const topology::Box box = bricks.surface_box(bricks[arguments->primID]);
   RTCBounds& b = *arguments->bounds_o;
   b.lower_x = below(box.min.x - data.padding);
   b.lower_y = below(box.min.y - data.padding);
@@ -47,7 +47,7 @@ void for_each_root(const BrickSurface& surface, std::uint32_t brick, unsigned ge
     float t = static_cast<float>(root.t);
     if (t <= tnear) t = std::nextafter(tnear, std::numeric_limits<float>::infinity());
     if (t >= tfar) return;
-    const Imath::V3d gradient = surface.gradient(brick, segment, root.t);
+    const Imath::V3d gradient = surface.gradient(brick, segment, root);
     RTCHit hit;
     hit.Ng_x = static_cast<float>(-gradient.x);
     hit.Ng_y = static_cast<float>(-gradient.y);

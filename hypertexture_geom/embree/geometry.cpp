@@ -47,10 +47,13 @@ struct HypertextureGeometry::Impl {
         cache(std::move(c)),
         keep(kept(*cache, options.keep)),
         diameter(diameter_of(*cache, keep)),
-        surface(BrickSet(*field, cache->topology.octree(), keep, {.margin = kMargin * diameter}),
-                kTolerance * diameter) {
+        surface(BrickSet(*field, cache->topology.octree(), keep,
+                         {.margin = kMargin * diameter,
+                          .slope_ranges = options.solver == Solver::kSegment}),
+                kTolerance * diameter, options.solver) {
     const BrickSet& bricks = surface.bricks();
-    for (std::uint32_t i = 0; i < bricks.size(); ++i) bounds.extendBy(bricks.box(bricks[i]));
+    for (std::uint32_t i = 0; i < bricks.size(); ++i)
+      bounds.extendBy(bricks.surface_box(bricks[i]));
     callback_data = {&surface, padding(options.far_distance)};
   }
 
@@ -99,7 +102,7 @@ std::optional<HypertextureGeometry::Hit> HypertextureGeometry::intersect_brick(
   const RaySegment segment{origin, direction, tnear, tfar};
   BrickSurface::Root root;
   if (!impl_->surface.first_root(brick, segment, root)) return std::nullopt;
-  return Hit{root.t, impl_->surface.gradient(brick, segment, root.t), root.evaluations};
+  return Hit{root.t, impl_->surface.gradient(brick, segment, root), root.evaluations};
 }
 
 ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& point,

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "hypertexture_geom/embree/compat.h"  // the only place that includes Embree's headers
+#include "hypertexture_geom/embree/solver.h"
 #include "hypertexture_geom/field/field.h"
 #include "topology/cache_file.h"
 
@@ -18,6 +19,7 @@ struct GeometryOptions {
   // How far from the object ray origins may lie, in its diameters, for the surface to stay
   // watertight: Embree culls boxes in single precision, so bricks are padded in proportion.
   double far_distance = 100.0;
+  Solver solver = Solver::kModel;
 };
 
 // What a renderer needs to know of a hit, in object space.

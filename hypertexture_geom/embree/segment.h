@@ -188,10 +188,14 @@ SegmentResult first_root(const Value& g, double length, const RayBounds& bounds,
     if (result.evaluations >= kMaxSegmentEvaluations || size == kStack || middle <= a.t ||
         middle >= b.t) {
       result.limit = true;
-      if (changes) {
+      // The nearest sign change that is known of.
+      for (Point left = a; size > 0; left = right[--size]) {
+        const Point& next = right[size - 1];
+        if ((left.g < 0.0) == (next.g < 0.0) && next.g != 0.0) continue;
         result.hit = true;
-        result.t = middle;
-        result.beyond = b.t;
+        result.t = 0.5 * (left.t + next.t);
+        result.beyond = next.t;
+        break;
       }
       return result;
     }

@@ -113,6 +113,12 @@ struct Join {
     return r;
   }
 
+  template <class F>
+  TapeValue emit(const F& f, TapeBuilder& tape) const {
+    const TapeValue a = tape.field(*f[0]);
+    return of(a, scale(tape.field(*f[1]), other));
+  }
+
   Interval expected_range(const Expressions& f) const {
     const Interval a = f[0]->expected_range(), b = f[1]->expected_range(), c = other > 0.0 ? b : -b;
     const double slack = 0.5 * width * (1.0 + 1e-12);

@@ -39,6 +39,10 @@ class Metaballs final : public Expression {
     return std::make_unique<Metaballs>(std::move(near), level_);
   }
 
+  TapeValue emit(TapeBuilder& tape) const override {
+    return tape.multiply_add(tape.impulses(balls_), 1.0, -level_);
+  }
+
   topology::Interval expected_range() const override {
     double lo = 0.0, hi = 0.0;
     for (std::size_t n = 0; n < balls_.size(); ++n) {

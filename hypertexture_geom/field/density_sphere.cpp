@@ -6,6 +6,7 @@
 
 #include "hypertexture_geom/field/radial_batch.h"
 #include "hypertexture_geom/field/radial_model.h"
+#include "hypertexture_geom/field/tape_builder.h"
 
 namespace morsel::geom {
 namespace {
@@ -89,6 +90,12 @@ class Sphere final : public Expression {
 
   std::unique_ptr<ScalarField> restricted_to(const Box&) const override {
     return std::make_unique<Sphere>(*this);
+  }
+
+  TapeValue emit(TapeBuilder& tape) const override {
+    const Imath::V3d rows[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    return tape.multiply_add(tape.root(tape.squares(rows, centre_, square_), square_), -1.0,
+                             radius_);
   }
 
   Interval expected_range() const override {

@@ -4,13 +4,13 @@
 #include <memory>
 #include <optional>
 
-#include "topology/scalar_field.h"
+#include "hypertexture_geom/field/term.h"
 
 namespace morsel::geom {
 
 // A term of a field: densities, noises and what combines them are all of this kind, so that any
 // sequence composes. Immutable.
-class Expression : public topology::ScalarField {
+class Expression : public Term {
  public:
   // The values to expect over all of space: exceeded nowhere (densities), or so rarely that no
   // object meets it (noises of random impulses: 6 standard deviations and more). Only used to find

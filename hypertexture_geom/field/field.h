@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "hypertexture_geom/field/term.h"
 #include "hypertexture_geom/params/json_reader.h"
 #include "topology/cache_file.h"
 #include "topology/certified.h"
@@ -14,7 +15,7 @@
 namespace morsel::geom {
 
 // A field that came from a scene file.
-class Field : public topology::ScalarField {
+class Field : public Term {
  public:
   // The field's description with every default filled in and keys in a fixed order.
   virtual nlohmann::json canonical_json() const = 0;

@@ -7,6 +7,7 @@
 #include "hypertexture_geom/field/canonical.h"
 #include "hypertexture_geom/field/field.h"
 #include "hypertexture_geom/field/registry.h"
+#include "hypertexture_geom/field/tape_builder.h"
 #include "topology/bound_solid.h"
 
 namespace morsel::geom {
@@ -29,6 +30,7 @@ class SceneField final : public Field {
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
     return root_->restricted_to(box);
   }
+  TapeValue emit(TapeBuilder& tape) const override { return root_->emit(tape); }
   json canonical_json() const override { return canonical_; }
   std::optional<Box> solid_bounds() const override { return root_->superlevel_box(0.0); }
 

@@ -10,9 +10,10 @@
 #include "hypertexture_geom/field/expression.h"
 #include "hypertexture_geom/field/jet_algebra.h"
 #include "hypertexture_geom/field/model_algebra.h"
+#include "hypertexture_geom/field/tape_builder.h"
 
-// Closed formulas written once and evaluated in three arithmetics: values (double), derivatives
-// (Jet) and rigorous local models (LocalModel).
+// Closed formulas written once and evaluated in four arithmetics: values (double), derivatives
+// (Jet), rigorous local models (LocalModel) and vector instructions (TapeValue).
 namespace morsel::geom {
 
 // constant + sum_k (rows[k] . (x - origin))^2. A sum of squares rather than a matrix: it cannot
@@ -39,9 +40,19 @@ inline topology::Jet add_constant(topology::Jet a, double c) {
   return a;
 }
 
+inline TapeValue add(const TapeValue& a, const TapeValue& b) { return a.builder->add(a, b); }
+inline TapeValue scale(const TapeValue& a, double factor) {
+  return a.builder->multiply_add(a, factor, 0.0);
+}
+inline TapeValue add_constant(const TapeValue& a, double c) {
+  return a.builder->multiply_add(a, 1.0, c);
+}
+
 inline double square(double a) { return a * a; }
 inline topology::Jet square(const topology::Jet& a) { return jets::operator*(a, a); }
 inline topology::LocalModel square(const topology::LocalModel& a) { return product(a, a); }
+
+inline TapeValue square(const TapeValue& a) { return a.builder->multiply(a, a); }
 
 // sqrt(a) where a >= least > 0 is known.
 inline double root(double a, double /*least*/) { return std::sqrt(a); }
@@ -52,6 +63,8 @@ inline topology::Jet root(const topology::Jet& a, double /*least*/) {
 inline topology::LocalModel root(const topology::LocalModel& a, double least) {
   return compose(a, sqrt_model(a.c[0], a.range(), least * (1.0 - 1e-14)));
 }
+
+inline TapeValue root(const TapeValue& a, double least) { return a.builder->root(a, least); }
 
 // phi(f) for f = linear(...), without the detour over general series: phi is modelled about f.c[0]
 // on f.range(). `extra` bounds what else f may be off by.
@@ -67,6 +80,8 @@ inline topology::Jet smooth_abs(const topology::Jet& a, double k) {
 inline topology::LocalModel smooth_abs(const topology::LocalModel& a, double k) {
   return compose(a, smooth_abs_model(a.c[0], a.range(), k));
 }
+
+inline TapeValue smooth_abs(const TapeValue& a, double k) { return a.builder->smooth_abs(a, k); }
 
 // Functions of the position to begin a formula with, at a point or on a box.
 class PointScope {
@@ -103,6 +118,20 @@ class JetScope {
 
  private:
   Imath::V3d x_;
+};
+
+class TapeScope {
+ public:
+  explicit TapeScope(TapeBuilder& tape) : tape_(tape) {}
+  TapeValue linear(const Imath::V3d& row, const Imath::V3d& origin) const {
+    return tape_.linear(row, origin);
+  }
+  TapeValue squares(const SumOfSquares& q) const {
+    return tape_.squares(q.rows, q.origin, q.constant);
+  }
+
+ private:
+  TapeBuilder& tape_;
 };
 
 class ModelScope {
@@ -145,6 +174,7 @@ class FormulaDensity final : public Expression {
   std::unique_ptr<ScalarField> restricted_to(const topology::Box&) const override {
     return std::make_unique<FormulaDensity>(*this);
   }
+  TapeValue emit(TapeBuilder& tape) const override { return formula_(TapeScope(tape)); }
   topology::Interval expected_range() const override { return formula_.range(); }
   std::optional<topology::Box> superlevel_box(double level) const override {
     return formula_.superlevel_box(level);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where Highway compiles for every instruction set and picks one at run time: the
-// file is included once for each target.
+// Compiled by Highway for every instruction set and picked at run time: the file is included once
+// for each target. (Everything but sums of impulses in double precision: tape_kernels.cpp.)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "hypertexture_geom/field/impulse_list.cpp"
 #include <hwy/foreach_target.h>

@@ -4,12 +4,16 @@
 #include "hypertexture_geom/field/integer_hash.h"
 
 namespace morsel::geom {
+
+std::uint32_t impulse_process_key(std::uint32_t octave, std::uint32_t seed) {
+  return scramble(scramble(seed ^ 0x9e3779b9u) ^ octave);
+}
+
 CellImpulse cell_impulse(std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t index,
                          std::uint32_t octave, std::uint32_t seed) {
   // Each word is mixed in after a full scramble of those before it, so that no two of them can
   // cancel.
-  std::uint32_t h = scramble(seed ^ 0x9e3779b9u);
-  h = scramble(h ^ octave);
+  std::uint32_t h = impulse_process_key(octave, seed);
   h = scramble(h + static_cast<std::uint32_t>(i));
   h = scramble(h ^ static_cast<std::uint32_t>(j) * 0x85ebca6bu);
   h = scramble(h + static_cast<std::uint32_t>(k) * 0xc2b2ae35u);

@@ -19,4 +19,7 @@ struct CellImpulse {
 CellImpulse cell_impulse(std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t index,
                          std::uint32_t octave, std::uint32_t seed);
 
+// The state that hashing a cell starts from.
+std::uint32_t impulse_process_key(std::uint32_t octave, std::uint32_t seed);
+
 }  // namespace morsel::geom

@@ -6,6 +6,7 @@
 #include "hypertexture_geom/field/model_algebra.h"
 #include "hypertexture_geom/field/product.h"
 #include "hypertexture_geom/field/registry.h"
+#include "hypertexture_geom/field/tape_builder.h"
 #include "hypertexture_geom/field/univariate_function.h"
 
 namespace morsel::geom {
@@ -34,6 +35,11 @@ class Height final : public Expression {
   LocalModel model(const Box& box) const override { return coordinate_model(box, axis_); }
   std::unique_ptr<ScalarField> restricted_to(const Box&) const override {
     return std::make_unique<Height>(*this);
+  }
+  TapeValue emit(TapeBuilder& tape) const override {
+    Imath::V3d row(0.0);
+    row[axis_] = 1.0;
+    return tape.linear(row, Imath::V3d(0.0));
   }
   Interval expected_range() const override { return Interval::whole(); }
   std::optional<Box> superlevel_box(double) const override { return std::nullopt; }

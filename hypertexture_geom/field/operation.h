@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hypertexture_geom/field/expression.h"
+#include "hypertexture_geom/field/tape_builder.h"
 
 // An operation on other expressions, written once for the expressions themselves and for their
 // restrictions to a box. `Operation` is a copyable class with, for arguments f[i]-> of any kind of
@@ -14,6 +15,7 @@
 //   topology::Jet jet(const F& f, const Imath::V3d& x) const
 //   topology::LocalModel model(const F& f, const topology::Box& box) const
 //   std::vector<std::unique_ptr<topology::ScalarField>> restricted(const F& f, const Box&) const
+//   TapeValue emit(const F& f, TapeBuilder& tape) const
 // and, for arguments that are expressions, what Expression has:
 //   topology::Interval expected_range(const Expressions& f) const
 //   std::optional<topology::Box> superlevel_box(const Expressions& f, double level) const
@@ -23,7 +25,7 @@ using Expressions = std::vector<std::shared_ptr<const Expression>>;
 using RestrictedFields = std::vector<std::unique_ptr<topology::ScalarField>>;
 
 template <class Operation>
-class RestrictedOperation final : public topology::ScalarField {
+class RestrictedOperation final : public Term {
  public:
   RestrictedOperation(Operation operation, RestrictedFields f)
       : operation_(std::move(operation)), f_(std::move(f)) {}
@@ -36,6 +38,7 @@ class RestrictedOperation final : public topology::ScalarField {
   std::unique_ptr<ScalarField> restricted_to(const topology::Box& box) const override {
     return std::make_unique<RestrictedOperation>(operation_, operation_.restricted(f_, box));
   }
+  TapeValue emit(TapeBuilder& tape) const override { return operation_.emit(f_, tape); }
 
  private:
   Operation operation_;
@@ -57,6 +60,7 @@ class OperationExpression final : public Expression {
     return std::make_unique<RestrictedOperation<Operation>>(operation_,
                                                             operation_.restricted(f_, box));
   }
+  TapeValue emit(TapeBuilder& tape) const override { return operation_.emit(f_, tape); }
   topology::Interval expected_range() const override { return operation_.expected_range(f_); }
   std::optional<topology::Box> superlevel_box(double level) const override {
     return operation_.superlevel_box(f_, level);

@@ -8,6 +8,7 @@
 
 #include "hypertexture_geom/field/perlin_lattice.h"
 #include "hypertexture_geom/field/perlin_model.h"
+#include "hypertexture_geom/field/tape_builder.h"
 
 namespace morsel::geom {
 namespace {
@@ -158,6 +159,19 @@ class Perlin final : public Expression {
     for (std::size_t n = 0; n < octaves_->size(); ++n) field->list(n, *this, box);
     field->directions_.shrink_to_fit();
     return field;
+  }
+
+  TapeValue emit(TapeBuilder& tape) const override {
+    if (octaves_->empty()) return tape.constant(0.0);
+    if (!tape.single_precision())
+      for (const LatticeOctave& o : *octaves_)
+        if (!TapeBuilder::tabulates_perlin(tape.box(), o.frequency)) return tape.opaque(*this);
+    TapeValue sum;
+    for (const LatticeOctave& o : *octaves_) {
+      const TapeValue octave = tape.perlin(o.amplitude, o.frequency, o.lattice);
+      sum = sum.builder == nullptr ? octave : tape.add(sum, octave);
+    }
+    return sum;
   }
 
   Interval expected_range() const override {

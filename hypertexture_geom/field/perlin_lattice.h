@@ -33,6 +33,9 @@ class PerlinLattice {
   // Multiples of 2^-16 in [0, 1): exact wherever frequency * x is and has bits to spare.
   const Imath::V3d& offset() const { return offset_; }
 
+  // The state that hashing a lattice point starts from.
+  std::uint32_t key() const { return key_; }
+
  private:
   std::uint32_t key_;
   Imath::V3d offset_;

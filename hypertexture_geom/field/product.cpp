@@ -67,6 +67,13 @@ struct Masked {
     return r;
   }
 
+  template <class F>
+  TapeValue emit(const F& f, TapeBuilder& tape) const {
+    if (f.empty()) return tape.constant(0.0);
+    const TapeValue mask = tape.field(*f[0]);
+    return tape.multiply(mask, tape.field(*f[1]));
+  }
+
   Interval expected_range(const Expressions& f) const {
     return f[0]->expected_range() * f[1]->expected_range();
   }

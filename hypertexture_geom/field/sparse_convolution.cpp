@@ -8,6 +8,7 @@
 #include "hypertexture_geom/field/impulse_process.h"
 #include "hypertexture_geom/field/radial_batch.h"
 #include "hypertexture_geom/field/radial_model.h"
+#include "hypertexture_geom/field/tape_builder.h"
 
 namespace morsel::geom {
 namespace {
@@ -110,6 +111,17 @@ class SparseConvolution final : public Expression {
       field->unlisted_ &= ~(1ull << i);
     }
     return field;
+  }
+
+  TapeValue emit(TapeBuilder& tape) const override {
+    if (unlisted_ != 0 && !tape.single_precision()) return tape.opaque(*this);
+    TapeValue sum = tape.impulses(listed_);
+    for (std::size_t i = 0; i < octaves().size(); ++i)
+      if ((unlisted_ >> i) & 1)
+        sum =
+            tape.add(sum, tape.impulse_process(process_->parameters, static_cast<std::uint32_t>(i),
+                                               process_->bounds[i]));
+    return sum;
   }
 
   Interval expected_range() const override {

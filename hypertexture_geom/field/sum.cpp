@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/field/sum.h"
 
+#include "hypertexture_geom/field/tape_builder.h"
+
 namespace morsel::geom {
 namespace {
 
@@ -43,7 +45,7 @@ void child_models_of(const ScalarField& a, const ScalarField& b, const Box& box,
 }
 
 // The sum on a box where both terms have been restricted.
-class LocalSum final : public ScalarField {
+class LocalSum final : public Term {
  public:
   LocalSum(std::unique_ptr<ScalarField> a, std::unique_ptr<ScalarField> b)
       : a_(std::move(a)), b_(std::move(b)) {}
@@ -56,6 +58,10 @@ class LocalSum final : public ScalarField {
   }
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
     return std::make_unique<LocalSum>(a_->restricted_to(box), b_->restricted_to(box));
+  }
+  TapeValue emit(TapeBuilder& tape) const override {
+    const TapeValue a = tape.field(*a_);
+    return tape.add(a, tape.field(*b_));
   }
 
  private:
@@ -75,6 +81,10 @@ class Sum final : public Expression {
   }
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
     return std::make_unique<LocalSum>(a_->restricted_to(box), b_->restricted_to(box));
+  }
+  TapeValue emit(TapeBuilder& tape) const override {
+    const TapeValue a = tape.field(*a_);
+    return tape.add(a, tape.field(*b_));
   }
 
   Interval expected_range() const override { return a_->expected_range() + b_->expected_range(); }

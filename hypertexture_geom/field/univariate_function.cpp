@@ -47,6 +47,11 @@ struct Applied {
     return r;
   }
 
+  template <class F>
+  TapeValue emit(const F& f, TapeBuilder& tape) const {
+    return phi->emit(tape, tape.field(*f[0]));
+  }
+
   Interval expected_range(const Expressions& f) const { return phi->range(f[0]->expected_range()); }
 
   std::optional<Box> superlevel_box(const Expressions& f, double level) const {
@@ -90,6 +95,9 @@ class Affine final : public UnivariateFunction {
     const double t = (level - offset_) / factor_;
     return t - 1e-12 * (std::abs(t) + std::abs(offset_ / factor_));
   }
+  TapeValue emit(TapeBuilder& tape, const TapeValue& t) const override {
+    return tape.multiply_add(t, factor_, offset_);
+  }
 
  private:
   double factor_, offset_;
@@ -118,6 +126,9 @@ class SmoothStep final : public UnivariateFunction {
     double lo = 0.0, hi = 1.0;  // value(lo) < level
     for (int i = 0; i < 60; ++i) (value(0.5 * (lo + hi)) < level ? lo : hi) = 0.5 * (lo + hi);
     return lo - 1e-12;
+  }
+  TapeValue emit(TapeBuilder& tape, const TapeValue& t) const override {
+    return tape.smooth_step(t);
   }
 };
 
@@ -151,6 +162,16 @@ class HyperbolaFunction final : public UnivariateFunction {
     while (value(hi) < level && std::isfinite(hi)) hi = h_.bend_at + 2.0 * (hi - h_.bend_at);
     for (int i = 0; i < 200; ++i) (value(0.5 * (lo + hi)) < level ? lo : hi) = 0.5 * (lo + hi);
     return lo - 1e-12 * (std::abs(lo) + h_.width);
+  }
+  TapeValue emit(TapeBuilder& tape, const TapeValue& t) const override {
+    const TapeValue u = h_.bend_at == 0.0 ? t : tape.multiply_add(t, 1.0, -h_.bend_at);
+    TapeValue sum =
+        h_.slope == 0.0 ? tape.constant(h_.constant) : tape.multiply_add(u, h_.slope, h_.constant);
+    if (h_.absolute != 0.0)
+      sum = tape.add(sum, tape.multiply_add(tape.smooth_abs(u, h_.width), h_.absolute, 0.0));
+    if (h_.sign != 0.0)
+      sum = tape.add(sum, tape.multiply_add(tape.soft_sign(u, h_.width), h_.sign, 0.0));
+    return sum;
   }
 
   DerivativeRanges ranges(Interval t) const {
@@ -202,6 +223,10 @@ class SquaredHyperbola final : public UnivariateFunction {
   }
   Interval range(Interval t) const override { return ranges(t)[0]; }
   double least_argument(double) const override { return -kInfinity; }
+  TapeValue emit(TapeBuilder& tape, const TapeValue& t) const override {
+    const TapeValue r = root_.emit(tape, t);
+    return tape.multiply_add(tape.multiply(r, r), factor_, 0.0);
+  }
 
  private:
   // Leibniz' rule.

@@ -23,6 +23,9 @@ class UnivariateFunction {
 
   // A number that phi(t) >= level implies t to be at least: -infinity when nothing follows.
   virtual double least_argument(double level) const = 0;
+
+  // Writes phi(t) onto a tape.
+  virtual TapeValue emit(TapeBuilder& tape, const TapeValue& t) const = 0;
 };
 
 // phi(f(x))

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "hypertexture_geom/field/mask.h"
 #include "hypertexture_geom/field/model_algebra.h"
@@ -65,9 +66,19 @@ struct Warp {
   RestrictedFields restricted(const F& f, const Box& box) const {
     LocalModel y[3];
     RestrictedFields r;
-    r.push_back(f[0]->restricted_to(image(f, box, y)));
+    r.push_back(f[0]->restricted_to(widened(image(f, box, y))));
     for (int a = 1; a < 4; ++a) r.push_back(f[a]->restricted_to(box));
     return r;
+  }
+
+  template <class F>
+  TapeValue emit(const F& f, TapeBuilder& tape) const {
+    LocalModel y[3];
+    const Box exact = image(f, tape.box(), y), known = widened(exact);
+    double slack = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a) slack = std::min(slack, known.max[a] - exact.max[a]);
+    const TapeValue w[3] = {tape.field(*f[1]), tape.field(*f[2]), tape.field(*f[3])};
+    return tape.displaced(w, known, slack, *f[0]);
   }
 
   Interval expected_range(const Expressions& f) const { return f[0]->expected_range(); }
@@ -84,6 +95,16 @@ struct Warp {
   }
 
  private:
+  // With room for displacements that were computed in single precision.
+  static Box widened(Box box) {
+    const Imath::V3d half = topology::half_size(box);
+    const double slack = 2e-5 * std::max({half.x, half.y, half.z, kLeastReach});
+    box.min -= Imath::V3d(slack);
+    box.max += Imath::V3d(slack);
+    return box;
+  }
+  static constexpr double kLeastReach = 0.25;
+
   // A box that holds x + w(x) for all x in `box`, and models of its components.
   template <class F>
   static Box image(const F& f, const Box& box, LocalModel (&y)[3]) {

@@ -25,10 +25,10 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST_F(GeometryTest, HasBricksOfOneComponent) {
-  EXPECT_GT(geometry_->statistics().bricks, 1000u);
+  EXPECT_GT(geometry_->statistics().bricks, 100u);
   EXPECT_EQ(geometry_->statistics().limits, 0u);
   EXPECT_EQ(geometry_->main_component(), geometry_->component(0));
-  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 64);
+  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 136);
 }
 
 TEST_F(GeometryTest, HitsTheBallFromOutsideAndInside) {

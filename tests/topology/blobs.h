@@ -28,6 +28,10 @@ class Blobs final : public ScalarField {
       if (q <= 0.0) continue;
       jet.value += q * q * q;
       jet.gradient -= d * (6.0 * inverse_square_ * q * q);
+      const double mixed = 24.0 * inverse_square_ * inverse_square_ * q;
+      const double products[6] = {d.x * d.x, d.y * d.y, d.z * d.z, d.x * d.y, d.x * d.z, d.y * d.z};
+      for (int i = 0; i < 6; ++i)
+        jet.hessian[i] += mixed * products[i] - (i < 3 ? 6.0 * inverse_square_ * q * q : 0.0);
     }
     return jet;
   }

@@ -11,6 +11,7 @@ MORSEL_PACKAGES=(
   libopenimageio-dev openimageio-tools libopenexr-dev libimath-dev
   libassimp-dev libtinygltf-dev nlohmann-json3-dev
   libcli11-dev libspdlog-dev libfmt-dev libxxhash-dev
+  libboost-dev libeigen3-dev libnanoflann-dev
   libgtest-dev
 )
 

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Imath/ImathVec.h>
+
+#include "hypertexture_geom/embree/ray_cubic.h"
+#include "topology/scalar_field.h"
+
+namespace morsel::geom {
+
+struct ModelResult {
+  bool hit = false;
+  bool limit = false;        // as SegmentResult's
+  double s = 0.0;            // of the hit, in [0, 1]
+  double beyond = 0.0;       // >= s, where the search for a next root starts
+  Imath::V3d gradient{0.0};  // of F at the hit, if has_gradient
+  bool has_gradient = false;
+  int evaluations = 0;  // of F, with or without its derivatives
+};
+
+namespace detail {
+
+// The root in [0, 1] of a cubic with one sign of slope and opposite signs at its ends: Newton's
+// steps, with bisection when one leaves the bracket.
+inline float monotone_root(const RayCubic& p) {
+  float lo = 0.0f, hi = 1.0f, s = p.b[0] / (p.b[0] - p.b[3]);
+  const bool rising = p.b[0] < 0.0f;
+  for (int i = 0; i < 6; ++i) {
+    const float value = p.value(s);
+    ((value < 0.0f) == rising ? lo : hi) = s;
+    const float next = s - value / p.slope(s);
+    const float step = next - s;
+    s = next > lo && next < hi ? next : 0.5f * (lo + hi);
+    if (std::abs(step) < 1e-6f) break;
+  }
+  return s;
+}
+
+}  // namespace detail
+
+// The first s in [0, 1] with g(s) = 0, g(s) = F(x(s)), by proof. `p` differs from g by no more than
+// `error`. Parts of [0, 1] where p stays further than that from zero have no root and cost no
+// evaluation of F. Where p crosses the whole error band with one sign of slope there is exactly one
+// root, which Newton's method on F itself polishes: its error after a step from s to s' is at most
+// max|g''| (root - s)^2 / (2 |g'(s)|) and (root - s) <= |g(s)| / min|g'|, so that mostly one
+// evaluation proves `tolerance` (in units of s). What is left - ends within the band, grazing rays
+// - is halved up to kHalvings times and then handed to `first_root` (segment.h) with the slopes and
+// curvatures that p and its errors give.
+//   value(s) -> F;  jet(s, slope) -> topology::Jet of F at x(s), and sets dF/ds
+// `strict`, `any`: as first_root.
+template <class Value, class JetAt>
+class ModelSolver {
+ public:
+  ModelSolver(const Value& value, const JetAt& jet, const RayCubicError& error,
+              const Imath::V3d& step, double tolerance)
+      : value_(value), jet_(jet), error_(error), step_(step), tolerance_(tolerance) {}
+
+  ModelResult solve(const RayCubic& whole, bool strict, bool any) const {
+    ModelResult result;
+    constexpr int kHalvings = 5;
+    struct Part {
+      RayCubic p;
+      float from;
+      int level;
+    };
+    Part stack[kHalvings + 2];
+    int size = 0;
+    stack[size++] = {whole, 0.0f, 0};
+    while (size > 0) {
+      const Part part = stack[--size];
+      const RayCubic& p = part.p;
+      const float e = error_.value;
+      if (p.least() > e || p.greatest() < -e) continue;
+      const float width = std::ldexp(1.0f, -part.level);
+      float slope_lo, slope_hi;
+      p.slopes(slope_lo, slope_hi);
+      slope_lo -= error_.slope * width;
+      slope_hi += error_.slope * width;
+      const bool monotone = slope_lo > 0.0f || slope_hi < 0.0f;
+      const bool starts_certain = std::abs(p.b[0]) > e, ends_certain = std::abs(p.b[3]) > e;
+      if (starts_certain && ends_certain) {
+        if ((p.b[0] < 0.0f) != (p.b[3] < 0.0f)) {
+          if (any) {
+            result.hit = true;
+            result.s = part.from;
+            result.beyond = part.from + width;
+            return result;
+          }
+          if (monotone && polish(p, part.from, width, slope_lo, slope_hi, result)) return result;
+        } else if (monotone) {
+          continue;
+        }
+      }
+      // F settles what the band leaves open, best where it is monotone.
+      if ((monotone && !(starts_certain && ends_certain)) || part.level == kHalvings) {
+        if (by_field(p, part.from, width, slope_lo, slope_hi, strict && part.from == 0.0f, any,
+                     result))
+          return result;
+        continue;
+      }
+      RayCubic left, right;
+      p.split(left, right);
+      stack[size++] = {right, part.from + 0.5f * width, part.level + 1};
+      stack[size++] = {left, part.from, part.level + 1};
+    }
+    return result;
+  }
+
+ private:
+  // The one root within the part; false if proof fails (rounding at the limit of float).
+  bool polish(const RayCubic& p, float from, float width, float slope_lo, float slope_hi,
+              ModelResult& result) const {
+    float curvature_lo, curvature_hi;
+    p.curvatures(curvature_lo, curvature_hi);
+    const double inverse = 1.0 / width;
+    const double bend =
+        std::max(std::abs(curvature_lo), std::abs(curvature_hi)) * inverse * inverse +
+        error_.curvature;
+    const double least = std::max(slope_lo, -slope_hi) * inverse;
+    const bool rising = slope_lo > 0.0f;
+    double lo = from, hi = from + width;
+    double s = from + width * detail::monotone_root(p);
+    for (int i = 0; i < 6; ++i) {
+      double slope = 0.0;
+      const topology::Jet jet = jet_(s, slope);
+      ++result.evaluations;
+      const double g = jet.value;
+      ((g < 0.0) == rising ? lo : hi) = s;
+      if (!(rising ? slope > 0.0 : slope < 0.0)) return false;
+      const double step = -g / slope, reach = std::abs(g) / least;
+      const double next = s + step;
+      if (!(next >= lo && next <= hi)) return false;
+      if (0.5 * bend * reach * reach <= tolerance_ * std::abs(slope)) {
+        result.hit = true;
+        result.s = next;
+        result.beyond = std::min(hi, next + tolerance_);
+        result.gradient = gradient_after(jet, step_ * step);
+        result.has_gradient = true;
+        return true;
+      }
+      s = next;
+    }
+    return false;
+  }
+
+  static Imath::V3d gradient_after(const topology::Jet& j, const Imath::V3d& d) {
+    const double* h = j.hessian;
+    return j.gradient + Imath::V3d(h[0] * d.x + h[3] * d.y + h[4] * d.z,
+                                   h[3] * d.x + h[1] * d.y + h[5] * d.z,
+                                   h[4] * d.x + h[5] * d.y + h[2] * d.z);
+  }
+
+  bool by_field(const RayCubic& p, float from, float width, float slope_lo, float slope_hi,
+                bool strict, bool any, ModelResult& result) const {
+    float curvature_lo, curvature_hi;
+    p.curvatures(curvature_lo, curvature_hi);
+    const double inverse = 1.0 / width;
+    const RayBounds bounds{slope_lo * inverse, slope_hi * inverse,
+                           curvature_lo * inverse * inverse - error_.curvature,
+                           curvature_hi * inverse * inverse + error_.curvature};
+    const double start = from;
+    const SegmentResult r = first_root([&](double t) { return value_(start + t); },
+                                       static_cast<double>(width), bounds, tolerance_, strict, any);
+    result.evaluations += r.evaluations;
+    result.limit = result.limit || r.limit;
+    if (!r.hit) return false;
+    result.hit = true;
+    result.s = start + r.t;
+    result.beyond = start + r.beyond;
+    return true;
+  }
+
+  const Value& value_;
+  const JetAt& jet_;
+  const RayCubicError& error_;
+  Imath::V3d step_;
+  double tolerance_;
+};
+
+}  // namespace morsel::geom
