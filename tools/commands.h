@@ -9,6 +9,7 @@ namespace morsel::tools {
 
 void add_cache_build(CLI::App& parent, Session& session);
 void add_cache_info(CLI::App& parent, Session& session);
+void add_cache_verify(CLI::App& parent, Session& session);
 void add_field_eval(CLI::App& parent, Session& session);
 void add_field_sample(CLI::App& parent, Session& session);
 void add_render(CLI::App& parent, Session& session);

@@ -24,6 +24,8 @@ struct CertifyOptions {
       20;  // cells at this depth are not subdivided; what is undecided there is reported
 };
 
+class Checkpoint;
+
 // How: threads come from the caller's TBB arena.
 struct Execution {
   const std::atomic<bool>* cancel = nullptr;  // set to stop; then Cancelled is thrown
@@ -31,6 +33,10 @@ struct Execution {
       progress;  // called from any thread, not concurrently
   // Memory that the octree may take while it is built; beyond, MemoryLimit is thrown. 0: no limit.
   std::uint64_t max_bytes = 0;
+  // Where finished trees are kept and taken from, or null. Trees are kept once the build has lasted
+  // `checkpoint_after` seconds: what a short build loses is not worth the file.
+  Checkpoint* checkpoint = nullptr;
+  double checkpoint_after = 5.0;
 };
 
 // Raised instead of taking more memory than the caller allowed.

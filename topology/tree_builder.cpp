@@ -9,6 +9,7 @@
 
 #include "topology/adjacency.h"
 #include "topology/cascade.h"
+#include "topology/checkpoint.h"
 
 namespace morsel::topology {
 namespace {
@@ -100,8 +101,16 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
   }
 }
 
-void TreeBuilder::grow(Tree& tree) {
+void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
   check_cancel();
+  if (execution_.checkpoint != nullptr) {
+    tree.nodes = execution_.checkpoint->take(index);
+    if (!tree.nodes.empty()) {
+      charge(tree, 0);
+      report(std::ldexp(1.0, -3 * tree.depth));
+      return;
+    }
+  }
   const std::unique_ptr<ScalarField> local = field_.restricted_to(tree.box);
   models_.fetch_add(1, std::memory_order_relaxed);
   const LocalModel model = local->model(tree.box);
@@ -115,6 +124,10 @@ void TreeBuilder::grow(Tree& tree) {
     classify_faces(model, tree.nodes[0]);
   }
   charge(tree, 0);
+  if (execution_.checkpoint != nullptr &&
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() >=
+          execution_.checkpoint_after)
+    execution_.checkpoint->save(index, tree.nodes);
   report(std::ldexp(1.0, -3 * tree.depth));
 }
 
@@ -243,7 +256,7 @@ Forest TreeBuilder::build() {
   check_cancel();
   Forest forest = plan();
   tbb::parallel_for(std::size_t{0}, forest.trees.size(),
-                    [&](std::size_t i) { grow(forest.trees[i]); });
+                    [&](std::size_t i) { grow(static_cast<std::uint32_t>(i), forest.trees[i]); });
   resolve_between(forest);
   return forest;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <span>
@@ -29,7 +30,7 @@ class TreeBuilder {
  private:
   // The upper part, and where the trees are.
   Forest plan();
-  void grow(Tree& tree);
+  void grow(std::uint32_t index, Tree& tree);
   // Classifies the children of nodes[index], a cell to be divided, and grows what is below them.
   // `local` is the field restricted to the cell.
   void divide(const ScalarField& local, const Box& cell, int depth, std::vector<OctreeNode>& nodes,
@@ -53,6 +54,7 @@ class TreeBuilder {
   std::atomic<std::uint64_t> nodes_{0};
   std::mutex progress_mutex_;
   double done_ = 0.0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace morsel::topology

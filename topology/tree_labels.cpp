@@ -69,6 +69,7 @@ TreeLabels label_tree(Tree& tree, const Box& box) {
   std::vector<std::array<std::uint32_t, 2>> possible;  // nodes
   const auto visit = [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a, int depth_b) {
     const OctreeNode &lower = nodes[a], &upper = nodes[b];
+    ++labels.joins;
     const Content shared = shared_content(lower, upper, axis, depth_a, depth_b);
     if (shared == Content::kEmpty) return;
     const bool unresolved = is_unresolved(lower) || is_unresolved(upper);

@@ -22,6 +22,7 @@ struct TreeLabels {
   std::vector<std::array<std::uint32_t, 3>> undecided_faces;      // nodes lower, upper; axis
   std::optional<Imath::V3d> touches;  // a place on the boundary of `box` that S may reach
   std::uint64_t leaves = 0;
+  std::uint64_t joins = 0;  // faces between leaves, of which neither is empty
   int depth = 0;
 };
 
