@@ -47,6 +47,9 @@ int main(int argc, char** argv) {
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
+    CLI::App* bench = app.add_subcommand("bench", "Measurements: topology");
+    bench->require_subcommand(1);
+    add_bench_topology(*bench, session);
     CLI::App* cache = app.add_subcommand("cache", "Topology caches: build, info, verify");
     cache->require_subcommand(1);
     add_cache_build(*cache, session);
