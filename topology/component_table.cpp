@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <numeric>
 
@@ -61,6 +62,7 @@ class Labelling {
         trees_(forest.trees.size()),
         between_(pairs_.size()),
         first_(forest.trees.size() + 1, 0) {
+    std::atomic<std::size_t> finished{0};
     const auto check = [&] {
       if (execution.cancel != nullptr && execution.cancel->load(std::memory_order_relaxed))
         throw Cancelled();
@@ -68,12 +70,16 @@ class Labelling {
     tbb::parallel_for(std::size_t{0}, trees_.size(), [&](std::size_t t) {
       check();
       trees_[t] = label_tree(forest_.trees[t], forest_.box);
+      ++finished;
     });
     tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t n) {
       check();
       between_[n] = label_pair(forest_.trees[pairs_[n].lower], forest_.trees[pairs_[n].upper],
                                pairs_[n].axis);
+      ++finished;
     });
+    // As in TreeBuilder::build.
+    if (finished != trees_.size() + pairs_.size()) throw Cancelled();
     for (std::size_t t = 0; t < trees_.size(); ++t)
       first_[t + 1] = first_[t] + static_cast<std::uint32_t>(trees_[t].pieces.size());
   }

@@ -257,6 +257,10 @@ Forest TreeBuilder::build() {
   Forest forest = plan();
   tbb::parallel_for(std::size_t{0}, forest.trees.size(),
                     [&](std::size_t i) { grow(static_cast<std::uint32_t>(i), forest.trees[i]); });
+  // When the loop is within another that was cancelled, it may return without having called its
+  // body, and the exception goes on its way from the outer one.
+  for (const Tree& tree : forest.trees)
+    if (tree.nodes.empty()) throw Cancelled();
   resolve_between(forest);
   return forest;
 }
