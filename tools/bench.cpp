@@ -74,6 +74,7 @@ void add_bench(CLI::App& parent, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command = parent.add_subcommand(
       "bench", "Measure a hypertexture against Embree triangles of the same surface");
+  command->footer("`morsel bench topology SCENE` measures the labelling of components instead.");
   add_scene_options(*command, options->scene);
   command->add_option("--geometry", options->geometry,
                       "Hypertexture geometry; may be left out if there is only one");

@@ -7,11 +7,8 @@
 // is one more of each.
 namespace morsel::tools {
 
-<<<<<<< HEAD
 void add_bench(CLI::App& parent, Session& session);
-=======
 void add_bench_topology(CLI::App& parent, Session& session);
->>>>>>> scale
 void add_cache_build(CLI::App& parent, Session& session);
 void add_cache_compare(CLI::App& parent, Session& session);
 void add_cache_export(CLI::App& parent, Session& session);

@@ -43,15 +43,16 @@ int become_renderer(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc > 1)
+  // `bench topology` traces no rays.
+  const bool bench_topology =
+      argc > 2 && std::strcmp(argv[1], "bench") == 0 && std::strcmp(argv[2], "topology") == 0;
+  if (argc > 1 && !bench_topology)
     for (const auto& command : kRendererCommands)
       if (std::strcmp(argv[1], command.name) == 0) return become_renderer(argv);
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
-    CLI::App* bench = app.add_subcommand("bench", "Measurements: topology");
-    bench->require_subcommand(1);
-    add_bench_topology(*bench, session);
+    add_bench_topology(*app.get_subcommand("bench"), session);
     CLI::App* cache =
         app.add_subcommand("cache", "Topology caches: build, compare, export, info, verify");
     cache->require_subcommand(1);
