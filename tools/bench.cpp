@@ -93,6 +93,9 @@ void add_bench(CLI::App& parent, Session& session) {
   CLI::App* command = parent.add_subcommand(
       "bench", "Measure a hypertexture against Embree triangles of the same surface");
   add_scene_options(*command, options->scene);
+  command->get_option("SCENE")->required(false);  // not of the subcommands, that is
+  command->require_subcommand(0, 1);
+  add_bench_topology(*command, session);
   command->add_option("--geometry", options->geometry,
                       "Hypertexture geometry; may be left out if there is only one");
   command
@@ -117,7 +120,9 @@ void add_bench(CLI::App& parent, Session& session) {
   command->add_flag("--json", options->json, "Print one JSON document");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);
-  command->callback([options, &session] {
+  command->callback([options, command, &session] {
+    if (!command->get_subcommands().empty()) return;
+    if (options->scene.scene.empty()) throw CLI::RequiredError("SCENE");
     session.run = [options, &session] { return run(*options, session); };
   });
 }

@@ -26,7 +26,8 @@ struct Options {
   bool force = false;
   bool json = false;
   int threads = 0;
-  int max_depth = 0;  // 0: as the scene says
+  int max_depth = 0;        // 0: as the scene says
+  double max_memory = 0.0;  // GiB; 0: no limit
 };
 
 // Why the cache has to be built; empty when the one that is there is current.
@@ -100,6 +101,7 @@ class Builder {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
       topology::Execution execution;
       execution.cancel = session_.cancel;
+      execution.max_bytes = static_cast<std::uint64_t>(options_.max_memory * 0x1p30);
       execution.progress = [&](double fraction, const char* phase) {
         reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
       };
@@ -149,6 +151,12 @@ void add_cache_build(CLI::App& parent, Session& session) {
       ->add_option("--max-depth", options->max_depth,
                    "Depth limit of the octree instead of the scene's (changes the fingerprint)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--max-memory", options->max_memory,
+          "GiB that an octree may take while it is built; beyond, the build fails and leaves "
+          "what it has in FILE.partial")
+      ->check(CLI::Range(0.0, 1e6));
   command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

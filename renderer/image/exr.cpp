@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "renderer/camera/camera.h"
-#include "renderer/image/replacing_file.h"
+#include "topology/replacing_file.h"
 
 namespace morsel::render {
 namespace {
@@ -78,7 +78,7 @@ void write_exr(const std::filesystem::path& path, const Scene& scene, const Rend
   const Crop& window = film.window();
   const auto width = static_cast<std::size_t>(film.width());
   const auto height = static_cast<std::size_t>(film.height());
-  ReplacingFile file(path);
+  topology::ReplacingFile file(path);
   try {
     const Imf::Header header = make_header(scene, result);
     // One plane per channel, stored as the file has it.

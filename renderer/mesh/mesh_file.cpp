@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "renderer/mesh/normals.h"
+#include "renderer/mesh/obj_numbers.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -75,6 +76,7 @@ TriangleMesh load_mesh(const fs::path& file) {
   if (std::find(known.begin(), known.end(), extension) == known.end())
     throw MeshError(fmt::format("{}: not a mesh format that can be read; extensions: {}",
                                 file.string(), fmt::join(known, ", ")));
+  if (extension == ".obj") check_obj_numbers(file);
   TriangleMesh mesh =
       extension == ".gltf" || extension == ".glb" ? read_gltf(file) : read_with_assimp(file);
   validate_mesh(mesh, file);

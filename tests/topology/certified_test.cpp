@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <new>
 #include <numbers>
 
 #include "tests/hypertexture_geom/test_fields.h"
@@ -173,11 +177,101 @@ TEST(Certified, DoesNotDependOnThreadsOrOrigin) {
   }
 }
 
+// The surface touches planes of the octree from one side, in single points.
+TEST(Certified, SurfacesTangentToOctreePlanes) {
+  // F = 0 at exactly 1/2 from the centre: (1 - 1/4)^3 = 27/64.
+  const double level = 27.0 / 64.0;
+  const Topology one = certify_in(Blobs({{0, 0, 0}}, 1.0, level), cube(1.0));
+  EXPECT_EQ(one.components.size(), 1u);
+  EXPECT_LE(one.components_lo, 1u);
+  if (one.components_hi) {
+    EXPECT_GE(*one.components_hi, 1u);
+  }
+  // Two that touch one another in the plane between them, where F is 2 27/64 - 27/32 = 0: one
+  // component in truth, and two are never certified. A little apart they are two.
+  for (const double gap : {0.0, 1e-3}) {
+    const Topology two =
+        certify_in(Blobs({{-0.5 - gap, 0, 0}, {0.5 + gap, 0, 0}}, 1.0, 2.0 * level), cube(2.0));
+    const std::uint64_t truth = gap == 0.0 ? 1 : 2;
+    EXPECT_LE(two.components_lo, truth);
+    if (two.components_hi) {
+      EXPECT_GE(*two.components_hi, truth);
+    }
+    if (two.certified) {
+      EXPECT_EQ(two.components.size(), truth);
+    }
+  }
+}
+
+TEST(Certified, WithoutNoiseAndWithoutSurface) {
+  const auto flat = geom::testing::field_of(geom::testing::eq13_json(3, 3, 0.0));
+  const Topology ball = certify_in(*flat, cube(1.5));
+  EXPECT_TRUE(ball.certified);
+  EXPECT_EQ(ball.components.size(), 1u);
+  const auto field = geom::testing::field_of(geom::testing::eq13_json(2, 3, 0.1));
+  const Topology inside = certify_in(*field, cube(0.2));
+  EXPECT_TRUE(inside.certified);
+  EXPECT_EQ(inside.components.size(), 1u);
+  EXPECT_TRUE(inside.touches_box.has_value());
+  const Topology outside = certify_in(*field, cube(1.0, Imath::V3d(5.0, 4.0, 3.0)));
+  EXPECT_TRUE(outside.certified);
+  EXPECT_EQ(outside.components.size(), 0u);
+  EXPECT_EQ(outside.leaves, 1u);
+  EXPECT_FALSE(outside.touches_box.has_value());
+}
+
 TEST(Certified, ReportsSolidThatTheBoxCuts) {
   const auto field = geom::testing::field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
   const Topology t = certify_in(*field, Box(Imath::V3d(-2.0), Imath::V3d(2.0, 2.0, 0.5)));
   ASSERT_TRUE(t.touches_box.has_value());
   EXPECT_DOUBLE_EQ(t.touches_box->z, 0.5);
+}
+
+// A field that calls `after` when its models, and those of all its restrictions, have been asked
+// for `count` times.
+class Counted final : public ScalarField {
+ public:
+  struct Trigger {
+    std::atomic<int> count;
+    std::function<void()> after;
+  };
+  Counted(std::shared_ptr<const ScalarField> field, Trigger& trigger)
+      : field_(std::move(field)), trigger_(&trigger) {}
+  double value(const Imath::V3d& x) const override { return field_->value(x); }
+  Jet jet(const Imath::V3d& x) const override { return field_->jet(x); }
+  LocalModel model(const Box& box) const override {
+    if (--trigger_->count == 0) trigger_->after();
+    return field_->model(box);
+  }
+  std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
+    return std::make_unique<Counted>(field_->restricted_to(box), *trigger_);
+  }
+
+ private:
+  std::shared_ptr<const ScalarField> field_;
+  Trigger* trigger_;
+};
+
+// At any moment of the work, while several threads are at it: the exception arrives, and nothing
+// else happens. (Loops nested in a cancelled one return as if they had run.)
+TEST(Certified, EndsCleanlyInTheMiddleOfTheWork) {
+  const std::shared_ptr<const ScalarField> field =
+      geom::testing::field_of(geom::testing::eq13_json(1, 3));
+  CertifyOptions options;
+  options.box = cube(3.0);
+  tbb::task_arena arena(4);
+  for (const int count : {1, 2, 10, 100, 1000, 5000, 20000, 50000}) {
+    std::atomic<bool> cancel{false};
+    Execution execution;
+    execution.cancel = &cancel;
+    Counted::Trigger stop{count, [&] { cancel = true; }};
+    arena.execute([&] {
+      EXPECT_THROW(certify(Counted(field, stop), options, execution), Cancelled) << count;
+    });
+    Counted::Trigger fail{count, [] { throw std::bad_alloc(); }};
+    arena.execute(
+        [&] { EXPECT_THROW(certify(Counted(field, fail), options), std::bad_alloc) << count; });
+  }
 }
 
 TEST(Certified, CancelsAndRefusesBadOptions) {
