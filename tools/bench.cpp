@@ -5,7 +5,9 @@
 #include <iostream>
 #include <memory>
 
+#include "renderer/scene/load_scene.h"
 #include "renderer/scene/scene_json.h"
+#include "tools/bench_renderer.h"
 #include "tools/bench_vs_mesh.h"
 #include "tools/commands.h"
 #include "tools/reporter.h"
@@ -19,6 +21,8 @@ struct Options {
   ReportingOptions reporting;
   std::string geometry;
   VsMeshOptions vs_mesh;
+  int render_width = 320;
+  int render_spp = 4;
   int threads = 0;
   bool json = false;
 };
@@ -44,6 +48,10 @@ void print(const nlohmann::json& result) {
       "  memory      {:6.3f} ({} bricks against {} triangles)\n  ready time  {:6.3f}\n",
       v["memory"].get<double>(), v["hypertexture"]["bricks"].get<std::uint64_t>(),
       v["mesh"]["triangles"].get<std::uint64_t>(), v["ready_time"].get<double>());
+  if (!result.contains("renderer")) return;
+  const nlohmann::json& r = result["renderer"];
+  std::cout << fmt::format("  of the scene's render {:.3f} is Embree ({} rays)\n",
+                           r["efficiency"].get<double>(), r["rays"].get<std::uint64_t>());
 }
 
 int run(const Options& options, const Session& session) {
@@ -59,6 +67,16 @@ int run(const Options& options, const Session& session) {
   };
   nlohmann::json result = bench_vs_mesh(hypertexture, options.vs_mesh, execution, reporter);
   result["scene"] = options.scene.scene;
+  if (document.root().contains("camera")) {
+    render::LoadOptions load;
+    load.execution = execution;
+    load.warn = [&](const std::string& message) { reporter.warn(message); };
+    const render::LoadedScene scene =
+        render::load_scene(options.scene.scene, options.scene.overrides(), load);
+    result["renderer"] = bench_renderer(scene, options.render_width, options.render_spp,
+                                        options.vs_mesh.repetitions, reporter);
+    result["renderer_efficiency"] = result["renderer"]["efficiency"];
+  }
   result["threads"] =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   if (options.json)
@@ -74,8 +92,10 @@ void add_bench(CLI::App& parent, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command = parent.add_subcommand(
       "bench", "Measure a hypertexture against Embree triangles of the same surface");
-  command->footer("`morsel bench topology SCENE` measures the labelling of components instead.");
   add_scene_options(*command, options->scene);
+  command->get_option("SCENE")->required(false);  // not of the subcommands, that is
+  command->require_subcommand(0, 1);
+  add_bench_topology(*command, session);
   command->add_option("--geometry", options->geometry,
                       "Hypertexture geometry; may be left out if there is only one");
   command
@@ -89,10 +109,20 @@ void add_bench(CLI::App& parent, Session& session) {
   command->add_option("--repetitions", options->vs_mesh.repetitions, "Of each measurement")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      ->add_option("--render-width", options->render_width,
+                   "Width of the picture whose rays are replayed")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  command->add_option("--render-spp", options->render_spp, "Its samples a pixel")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON document");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);
-  command->callback([options, &session] {
+  command->callback([options, command, &session] {
+    if (!command->get_subcommands().empty()) return;
+    if (options->scene.scene.empty()) throw CLI::RequiredError("SCENE");
     session.run = [options, &session] { return run(*options, session); };
   });
 }

@@ -18,7 +18,7 @@ using namespace morsel::tools;
 constexpr struct {
   const char* name;
   const char* help;
-} kRendererCommands[] = {{"bench", "Measure rays against those of a mesh"},
+} kRendererCommands[] = {{"bench", "Measure rays against those of a mesh; topology"},
                          {"render", "Render a scene"},
                          {"scene", "Look at a scene file: check"}};
 
@@ -52,7 +52,6 @@ int main(int argc, char** argv) {
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
-    add_bench_topology(*app.get_subcommand("bench"), session);
     CLI::App* cache =
         app.add_subcommand("cache", "Topology caches: build, compare, export, info, verify");
     cache->require_subcommand(1);

@@ -13,6 +13,7 @@
 #include "renderer/accel/hypertexture.h"
 #include "renderer/accel/light_geometry.h"
 #include "renderer/accel/mesh.h"
+#include "renderer/accel/ray_log.h"
 
 namespace morsel::render {
 namespace {
@@ -166,6 +167,9 @@ bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& int
   query.time = ray.time;
   query.mask = static_cast<unsigned>(kind);
   RTCRayHit rayhit = geom::make_ray_hit(query);
+  if (RayLog* log = RayLog::active())
+    log->add(impl_->top.get(), query,
+             kind == RayKind::kCamera ? RayLog::Query::kCoherent : RayLog::Query::kIncoherent);
   geom::intersect1(
       impl_->top.get(), rayhit,
       kind == RayKind::kCamera ? geom::Coherence::kCoherent : geom::Coherence::kIncoherent);
@@ -181,6 +185,7 @@ bool SceneAccel::occluded(const Ray& ray) const {
   RTCRay query = geom::make_ray(o.x, o.y, o.z, d.x, d.y, d.z, 0.0f, ray.tfar);
   query.time = ray.time;
   query.mask = static_cast<unsigned>(RayKind::kShadow);
+  if (RayLog* log = RayLog::active()) log->add(impl_->top.get(), query, RayLog::Query::kOccluded);
   return geom::occluded1(impl_->top.get(), query);
 }
 

@@ -19,8 +19,9 @@ class BenchCommandTest : public ::testing::Test {
 };
 
 TEST_F(BenchCommandTest, HasTheKeysThatOthersRelyOn) {
-  const CommandResult result = run_morsel(
-      {"bench", rock_, "--error", "0.01", "--resolution", "64", "--repetitions", "1", "--json"});
+  const CommandResult result =
+      run_morsel({"bench", rock_, "--error", "0.01", "--resolution", "64", "--repetitions", "1",
+                  "--render-width", "32", "--render-spp", "2", "--json"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json info = json::parse(result.out);  // one document and nothing else
   const json& v = info["vs_mesh"];
@@ -37,6 +38,9 @@ TEST_F(BenchCommandTest, HasTheKeysThatOthersRelyOn) {
   EXPECT_LT(v["differs"]["primary"]["far_apart"], 0.05);
   EXPECT_GT(v["hits"]["primary"], 0.05);
   EXPECT_EQ(v["rays"]["primary"], 64 * 64);
+  // A camera ray a sample at least; and rays are some of the render, but not all.
+  EXPECT_GE(info["renderer"]["rays"], 32 * 24 * 2);
+  EXPECT_GT(info["renderer_efficiency"], 0.0);
   // A solver that evaluates nothing would not be one.
   ASSERT_FALSE(info["evaluations_per_ray"].empty());
   for (const auto& [solver, count] : info["evaluations_per_ray"].items())
