@@ -123,9 +123,45 @@ inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coheren
   return ray.tfar < 0.0f;
 }
 
-// Packets of 8; valid[i] is -1 for an active lane and 0 for one to leave alone. Active rays must be
-// traceable.
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
+// Packets of 4, 8 and 16; valid[i] is -1 for an active lane and 0 for one to leave alone. Active
+// rays must be traceable.
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit4& rayhit) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect4(valid, scene, &rayhit, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect4(valid, scene, &context, &rayhit);
+#endif
+}
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay4& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded4(valid, scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded4(valid, scene, &context, &ray);
+#endif
+}
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit16& rayhit) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect16(valid, scene, &rayhit, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect16(valid, scene, &context, &rayhit);
+#endif
+}
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay16& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded16(valid, scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(valid, scene, &context, &ray);
+#endif
+}
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect8(valid, scene, &rayhit, nullptr);
 #else
@@ -134,7 +170,7 @@ inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
   rtcIntersect8(valid, scene, &context, &rayhit);
 #endif
 }
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& ray) {
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay8& ray) {
 #if RTC_VERSION_MAJOR >= 4
   rtcOccluded8(valid, scene, &ray, nullptr);
 #else

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "hypertexture_geom/field/ray_options.h"
 #include "hypertexture_geom/field/term.h"
 #include "hypertexture_geom/params/json_reader.h"
 #include "topology/cache_file.h"
@@ -37,6 +38,9 @@ class Field : public Term {
   virtual FieldParts parts(const Imath::V3d& x) const { return {value(x), 0.0, x}; }
 };
 
+// The declaration of {"density", "modulations"}.
+const params::Declaration& field_declaration();
+
 // Reads {"density": {...}, "modulations": [{...}, ...]}. Throws params::InputError.
 std::shared_ptr<const Field> field_from_json(const nlohmann::json& json,
                                              const params::Place& place);
@@ -47,14 +51,16 @@ struct Hypertexture {
   std::shared_ptr<const Field> field;
   topology::CertifyOptions certify;  // box derived from the field unless the scene gives "bounds"
   topology::KeepRule keep;
+  Solver solver = Solver::kModel;
+  Membership membership = Membership::kLabels;
   std::string cache;  // explicit cache file of the scene ("" if none), relative to the scene file
   nlohmann::json canonical;  // field and options that the topology depends on
   std::string hash;          // fingerprint of `canonical`, 32 hexadecimal digits
 };
 
 // Reads a geometry object {"name", "type": "hypertexture", "field", "bounds", "max_depth",
-// "min_depth", "keep", "cache"}. Throws params::InputError. Deriving the box takes up to a few
-// seconds.
+// "min_depth", "keep", "solver", "membership", "cache"}. Throws params::InputError. Deriving the
+// box takes up to a few seconds.
 Hypertexture hypertexture_from_json(const nlohmann::json& json, const params::Place& place);
 
 // The declaration that hypertexture_from_json reads by.
