@@ -36,7 +36,7 @@ struct Options {
   bool no_png = false;
   std::optional<std::int64_t> spp, seed;
   int threads = 0;
-  std::string resolution, crop, keep, cache, stats;
+  std::string resolution, crop, keep, solver, membership, cache, stats;
   bool check = false;
 };
 
@@ -87,6 +87,9 @@ std::vector<render::Override> all_overrides(const Options& options) {
     all.insert(all.end(), more.begin(), more.end());
   };
   if (!options.keep.empty()) add("keep", options.keep, "--keep " + options.keep);
+  if (!options.solver.empty()) add("solver", options.solver, "--solver " + options.solver);
+  if (!options.membership.empty())
+    add("membership", options.membership, "--membership " + options.membership);
   if (!options.cache.empty())
     add("cache", fs::absolute(options.cache).string(), "--cache " + options.cache);
   return all;
@@ -231,6 +234,11 @@ void add_render(CLI::App& parent, Session& session) {
   command->add_option("--keep", options->keep,
                       "Pieces of the hypertextures to keep: main, largest:K, volume:V, "
                       "touching:X,Y,Z, all, detached, ids:I,J,...");
+  command->add_option(
+      "--solver", options->solver,
+      "How rays find hypertextures: model (fastest), segment, sphere (the paper's)");
+  command->add_option("--membership", options->membership,
+                      "How detached pieces are told: labels, streamline (the paper's), off");
   command->add_option("--cache", options->cache,
                       "Topology cache of the scene's only hypertexture; built if missing");
   command->add_option("--stats", options->stats, "What it took: text, json or json:FILE");

@@ -20,11 +20,6 @@ topology::Box inflated(const topology::Box& box, double by) {
   return {box.min - Imath::V3d(by), box.max + Imath::V3d(by)};
 }
 
-bool holds_surface(const topology::OctreeNode& leaf) {
-  const topology::Content content = leaf.cell_content();
-  return content == topology::Content::kConnected || content == topology::Content::kUndecided;
-}
-
 }  // namespace
 
 void BrickBuilder::Part::append(Part&& part) {
@@ -47,9 +42,10 @@ const BrickBuilder::Content& BrickBuilder::examine(std::uint32_t node) {
   const topology::OctreeNode& n = octree_.nodes[node];
   Content c;
   if (n.is_leaf()) {
-    if (holds_surface(n)) {
-      if (n.component < kept_.size() && kept_[n.component])
-        c = {1, n.component, true, 0};
+    const bool undecided = n.cell_content() == topology::Content::kUndecided;
+    if (undecided || n.cell_content() == topology::Content::kConnected) {
+      if (undecided || (n.component < kept_.size() && kept_[n.component]))
+        c = {1, n.component, !undecided, 0};
       else
         c.pure = false;
     }
@@ -88,11 +84,13 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   Part part;
   const Content& c = contents_[place.node];
   if (c.leaves == 0) return part;
-  std::unique_ptr<topology::ScalarField> own =
-      field.restricted_to(inflated(box_of(place), set_.margin_));
+  const topology::Box box = inflated(box_of(place), set_.margin_);
+  std::unique_ptr<topology::ScalarField> own = field.restricted_to(box);
   if (c.height <= options_.block_levels) {
     fill(place, *own, part);
-    if (!part.bricks.empty()) part.blocks.push_back(std::move(own));
+    if (part.bricks.empty()) return part;
+    auto compiled = std::make_unique<CompiledField<double>>(*own, box);
+    part.blocks.push_back({std::move(own), std::move(compiled)});
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;
@@ -132,7 +130,8 @@ BrickBuilder::Made BrickBuilder::make_brick(const Place& place, const topology::
   std::copy(place.cell, place.cell + 3, b.cell);
   b.depth = place.depth & 31u;
   b.block = 0;
-  b.component = contents_[place.node].component;
+  b.undecided = octree_.nodes[place.node].is_leaf() && !contents_[place.node].pure;
+  b.component = b.undecided ? topology::kNoComponent : contents_[place.node].component;
   const topology::Box box = set_.box(b);
   const topology::LocalModel model = field.model(inflated(box, 2.0 * set_.slack(b)));
   set_model(b, model, topology::half_size(box));

@@ -24,8 +24,8 @@ class BrickBuilder {
   struct Content {
     std::uint32_t leaves = 0;                          // that hold surface of a kept component
     std::uint32_t component = topology::kNoComponent;  // theirs, if they have one in common
-    bool pure = true;                                  // no other surface, and one component
-    int height = -1;  // levels down to the deepest of those leaves; -1: none
+    bool pure = true;  // no other surface, one component, nothing undecided
+    int height = -1;   // levels down to the deepest of those leaves; -1: none
   };
   struct Place {
     std::uint32_t node;  // below a leaf: that leaf
@@ -37,7 +37,7 @@ class BrickBuilder {
   struct Part {
     std::vector<Brick> bricks;
     std::vector<SlopeRanges> ranges;
-    std::vector<std::unique_ptr<topology::ScalarField>> blocks;
+    std::vector<BrickSet::Block> blocks;
     void append(Part&& part);
   };
 

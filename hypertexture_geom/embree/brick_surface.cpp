@@ -10,43 +10,18 @@
 namespace morsel::geom {
 namespace {
 
-// Clips [a, b] to the part of the ray within the box; false if nothing remains. `slack` is added on
-// all sides. Comparisons are written so that NaN leaves nothing.
-bool clip(const topology::Box& box, double slack, const RaySegment& ray, double& a, double& b) {
-  for (int i = 0; i < 3; ++i) {
-    const double lo = box.min[i] - slack - ray.origin[i];
-    const double hi = box.max[i] + slack - ray.origin[i];
-    if (ray.direction[i] == 0.0) {
-      if (lo > 0.0 || hi < 0.0) return false;
-      continue;
-    }
-    const double inverse = 1.0 / ray.direction[i];
-    const double p = lo * inverse, q = hi * inverse;
-    a = std::max(a, std::min(p, q));
-    b = std::min(b, std::max(p, q));
-  }
-  return a < b;
-}
-
-bool is_valid(const RaySegment& ray) {
-  const double sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x +
-                     ray.direction.y + ray.direction.z;
-  return std::isfinite(sum) && ray.tnear < ray.tfar;
-}
+// What evaluations of F may differ by from F when bounds are checked, absolute.
+constexpr double kRounding = 1e-12;
 
 }  // namespace
 
-RayStatistics& ray_statistics() {
-  thread_local RayStatistics statistics;
-  return statistics;
-}
-
-void BrickSurface::count(int evaluations, bool limit) const {
-  RayStatistics& statistics = ray_statistics();
-  statistics.evaluations += static_cast<std::uint64_t>(evaluations);
-  if (!limit) return;
-  ++statistics.limits;
-  limits_.fetch_add(1, std::memory_order_relaxed);
+const topology::ScalarField& BrickSurface::field_near(std::uint32_t index,
+                                                      const Imath::V3d& x) const {
+  const Brick& brick = bricks_[index];
+  topology::Box box = bricks_.box(brick);
+  box.min -= Imath::V3d(bricks_.margin());
+  box.max += Imath::V3d(bricks_.margin());
+  return box.intersects(x) ? bricks_.field(brick) : whole_;
 }
 
 bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, Root& root) const {
@@ -61,7 +36,7 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
     return false;
   stretch.entry = ray.origin + ray.direction * stretch.from;
   stretch.strict = stretch.from == ray.tnear;
-  if (solver_ == Solver::kModel) {
+  if (!bricks_.has_slope_ranges()) {
     if (!by_model(brick, ray, stretch, any, root)) return false;
   } else {
     if (!by_segment(index, ray, stretch, any, root)) return false;
@@ -71,11 +46,25 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
 
 bool BrickSurface::by_segment(std::uint32_t index, const RaySegment& ray, const Stretch& stretch,
                               bool any, Root& root) const {
-  const topology::ScalarField& field = bricks_.field(bricks_[index]);
-  const auto value = [&](double s) { return field.value(stretch.entry + ray.direction * s); };
-  const SegmentResult r =
-      geom::first_root(value, stretch.to - stretch.from, bricks_.ray_bounds(index, ray.direction),
-                       tolerance_ / stretch.speed, stretch.strict, any);
+  const CompiledField<double>& field = bricks_.compiled(bricks_[index]);
+  const Imath::V3d entry = stretch.entry - field.centre();
+  const RayBounds bounds = bricks_.ray_bounds(index, ray.direction);
+  double s_before = 0.0, g_before = 0.0;  // for the debug mode
+  bool has_before = false;
+  const auto value = [&](double s) {
+    const double g = field.value(entry + ray.direction * s);
+    if (checking()) {
+      const double ds = s - s_before, p = bounds.slope_lo * ds, q = bounds.slope_hi * ds;
+      const double dg = g - g_before;
+      if (has_before) check(dg >= std::min(p, q) - kRounding && dg <= std::max(p, q) + kRounding);
+      s_before = s;
+      g_before = g;
+      has_before = true;
+    }
+    return g;
+  };
+  const SegmentResult r = geom::first_root(value, stretch.to - stretch.from, bounds,
+                                           tolerance() / stretch.speed, stretch.strict, any);
   count(r.evaluations, r.limit);
   if (!r.hit) return false;
   root.t = stretch.from + r.t;
@@ -101,15 +90,29 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
 
   const RayCubicError error{b.value_error, b.gradient_error * sum + 6.0f * b.rounding,
                             b.hessian_error * sum * sum + 24.0f * b.rounding};
-  const topology::ScalarField& field = bricks_.field(b);
-  const auto value = [&](double s) { return field.value(stretch.entry + step * s); };
-  const auto jet = [&](double s, double& slope) {
-    const topology::Jet j = field.jet(stretch.entry + step * s);
-    slope = j.gradient.dot(step);
-    return j;
+  const CompiledField<double>& field = bricks_.compiled(b);
+  const Imath::V3d entry = stretch.entry - field.centre();
+  const auto check_value = [&](double s, double g) {
+    const auto model = static_cast<double>(p.value(static_cast<float>(s)));
+    check(std::abs(g - model) <= static_cast<double>(error.value) + kRounding);
+  };
+  const auto value = [&](double s) {
+    const double g = field.value(entry + step * s);
+    if (checking()) check_value(s, g);
+    return g;
+  };
+  const auto with_gradient = [&](double s, Imath::V3d& gradient, double& slope) {
+    const double g = field.value_and_gradient(entry + step * s, gradient);
+    slope = gradient.dot(step);
+    if (checking()) {
+      check_value(s, g);
+      const auto model = static_cast<double>(p.slope(static_cast<float>(s)));
+      check(std::abs(slope - model) <= static_cast<double>(error.slope) + kRounding);
+    }
+    return g;
   };
   const double length = (stretch.to - stretch.from) * stretch.speed;
-  const ModelSolver solver(value, jet, error, step, tolerance_ / length);
+  const ModelSolver solver(value, with_gradient, error, tolerance() / length);
   const ModelResult r = solver.solve(p, stretch.strict, any);
   count(r.evaluations, r.limit);
   if (!r.hit) return false;
@@ -117,7 +120,15 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
   root.beyond = std::max(root.t, stretch.from + r.beyond * (stretch.to - stretch.from));
   root.evaluations = r.evaluations;
   root.has_gradient = r.has_gradient;
-  root.gradient = r.gradient;
+  if (!r.has_gradient || any) return true;
+  // From the place of the last evaluation on to the root the gradient changes by as little as the
+  // cubic's.
+  const Imath::V3d scale = Imath::V3d(2.0) / (box.max - box.min);
+  const auto at = [&](double s) {
+    return (stretch.entry + step * s - box.min) * scale - Imath::V3d(1.0);
+  };
+  const Imath::V3d change = cubic_gradient(b.c, at(r.s)) - cubic_gradient(b.c, at(r.gradient_at));
+  root.gradient = r.gradient + change * scale;
   return true;
 }
 

@@ -9,10 +9,17 @@ namespace morsel::geom {
 
 BrickSet::BrickSet(const topology::ScalarField& field, const topology::OctreeView& octree,
                    const std::vector<bool>& kept, const Options& options)
-    : root_(octree.box), margin_(options.margin) {
+    : root_(octree.box), margin_(options.margin), slope_ranges_(options.slope_ranges) {
   for (int depth = 0; depth < 32; ++depth)
     sizes_[depth] = (root_.max - root_.min) * std::ldexp(1.0, -depth);
   BrickBuilder(*this, octree, kept, options).build(field);
+}
+
+std::size_t BrickSet::bytes() const {
+  std::size_t compiled = 0;
+  for (const Block& b : blocks_) compiled += b.compiled->bytes();
+  return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
+         blocks_.capacity() * sizeof(Block) + compiled;
 }
 
 RayBounds BrickSet::ray_bounds(std::uint32_t index, const Imath::V3d& d) const {

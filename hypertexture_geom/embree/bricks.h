@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hypertexture_geom/embree/segment.h"
+#include "hypertexture_geom/field/compiled_field.h"
 #include "topology/box.h"
 #include "topology/local_model.h"
 #include "topology/octree.h"
@@ -70,6 +71,7 @@ struct alignas(64) Brick {
   // Along each axis the slices, of kSlices that the box is cut into, that may hold surface: from
   // surface_lo to before surface_hi.
   std::uint8_t surface_lo[3], surface_hi[3];
+  bool undecided;  // the leaf's content is not proved: its surface may be of several components
   static constexpr int kSlices = 16;
 };
 static_assert(sizeof(Brick) == 128);
@@ -82,7 +84,8 @@ struct SlopeRanges {
 static_assert(sizeof(SlopeRanges) == 36);
 
 // The bricks of all kept components with the fields that evaluate them. Every surface point of a
-// kept component lies in a brick, and no brick holds surface of another component than its own. A
+// kept component lies in a brick, and no brick holds surface of another component than its own, but
+// for those of undecided leaves. A
 // block is an octree cell of at most `block_levels` levels above its leaves; its field is the
 // geometry's field restricted to the block's box and a margin, so that evaluation meets few terms.
 class BrickSet {
@@ -109,11 +112,9 @@ class BrickSet {
   std::uint32_t size() const { return static_cast<std::uint32_t>(bricks_.size()); }
   const Brick& operator[](std::uint32_t i) const { return bricks_[i]; }
   std::size_t block_count() const { return blocks_.size(); }
-  // Without the blocks' fields, whose size only they know.
-  std::size_t bytes() const {
-    return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
-           blocks_.capacity() * sizeof(blocks_[0]);
-  }
+  // Without the blocks' restricted fields, whose size only they know; their compiled fields are
+  // included.
+  std::size_t bytes() const;
 
   // The brick's cell, exactly as the octree has it.
   topology::Box box(const Brick& b) const {
@@ -142,23 +143,31 @@ class BrickSet {
   // or corner: a ray's place is uncertain by a few ulp of its coordinates.
   double slack(const Brick& b) const { return kSlack * sizes_[b.depth].x; }
   // F on the brick's box and `margin` around it.
-  const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block]; }
+  const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block].field; }
+  // The same, compiled for values and gradients (compiled_field.h).
+  const CompiledField<double>& compiled(const Brick& b) const { return *blocks_[b.block].compiled; }
   double margin() const { return margin_; }
 
+  bool has_slope_ranges() const { return slope_ranges_; }
   // Bounds on the derivatives of F(o + t * direction) for points within slack of brick `i`; only
   // with slope_ranges.
   RayBounds ray_bounds(std::uint32_t i, const Imath::V3d& direction) const;
 
  private:
   friend class BrickBuilder;
+  struct Block {
+    std::unique_ptr<topology::ScalarField> field;
+    std::unique_ptr<CompiledField<double>> compiled;
+  };
   static constexpr double kSlack = 1e-7;
 
   topology::Box root_;
   Imath::V3d sizes_[32];
   double margin_ = 0.0;
+  bool slope_ranges_ = false;
   std::vector<Brick> bricks_;
   std::vector<SlopeRanges> ranges_;  // empty without slope_ranges
-  std::vector<std::unique_ptr<topology::ScalarField>> blocks_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace morsel::geom

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hypertexture_geom/embree/brick_surface.h"
 #include "hypertexture_geom/embree/compat.h"
+#include "hypertexture_geom/embree/ray_surface.h"
 
 namespace morsel::geom {
 
 // What the callbacks get as the geometry's user data.
 struct CallbackData {
-  const BrickSurface* surface;
+  const RaySurface* surface;
   double padding;  // added to each brick's box on all sides
 };
 

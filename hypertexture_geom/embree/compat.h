@@ -91,6 +91,21 @@ inline void intersect1(RTCScene scene, RTCRayHit& rayhit,
 #endif
 }
 
+// The same with a context that the callbacks see: the first member of a struct of the caller's.
+inline void intersect1(RTCScene scene, RTCRayHit& rayhit, RayQueryContext& context) {
+  if (!is_traceable(rayhit.ray)) return;
+#if RTC_VERSION_MAJOR >= 4
+  rtcInitRayQueryContext(&context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context;
+  rtcIntersect1(scene, &rayhit, &arguments);
+#else
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &rayhit);
+#endif
+}
+
 // Whether anything is hit: sets ray.tfar to -infinity if so, and returns it.
 inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coherence::kIncoherent) {
   if (!is_traceable(ray)) return false;
@@ -108,9 +123,45 @@ inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coheren
   return ray.tfar < 0.0f;
 }
 
-// Packets of 8; valid[i] is -1 for an active lane and 0 for one to leave alone. Active rays must be
-// traceable.
-inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
+// Packets of 4, 8 and 16; valid[i] is -1 for an active lane and 0 for one to leave alone. Active
+// rays must be traceable.
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit4& rayhit) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect4(valid, scene, &rayhit, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect4(valid, scene, &context, &rayhit);
+#endif
+}
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay4& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded4(valid, scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded4(valid, scene, &context, &ray);
+#endif
+}
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit16& rayhit) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect16(valid, scene, &rayhit, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect16(valid, scene, &context, &rayhit);
+#endif
+}
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay16& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded16(valid, scene, &ray, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded16(valid, scene, &context, &ray);
+#endif
+}
+inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect8(valid, scene, &rayhit, nullptr);
 #else
@@ -119,7 +170,7 @@ inline void intersect8(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
   rtcIntersect8(valid, scene, &context, &rayhit);
 #endif
 }
-inline void occluded8(const int* valid, RTCScene scene, RTCRay8& ray) {
+inline void occluded_packet(const int* valid, RTCScene scene, RTCRay8& ray) {
 #if RTC_VERSION_MAJOR >= 4
   rtcOccluded8(valid, scene, &ray, nullptr);
 #else

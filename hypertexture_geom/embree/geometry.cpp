@@ -6,7 +6,9 @@
 
 #include "hypertexture_geom/embree/brick_surface.h"
 #include "hypertexture_geom/embree/callbacks.h"
+#include "hypertexture_geom/embree/lipschitz.h"
 #include "hypertexture_geom/embree/spawn.h"
+#include "hypertexture_geom/embree/sphere_surface.h"
 #include "topology/components.h"
 
 namespace morsel::geom {
@@ -18,16 +20,59 @@ constexpr double kTolerance = 2e-8;
 // their brick by rounding and by their offset.
 constexpr double kMargin = 2e-5;
 
-std::vector<bool> kept(const topology::TopologyCache& cache, const topology::KeepRule& rule) {
-  return topology::kept_components(rule, cache.topology.components, cache.topology.octree());
+std::vector<bool> kept(const topology::TopologyCache& cache, const GeometryOptions& options) {
+  if (options.membership == Membership::kOff)
+    return std::vector<bool>(cache.topology.components.size(), true);
+  return topology::kept_components(options.keep, cache.topology.components,
+                                   cache.topology.octree());
 }
 
-// Diameter of the box that holds the kept components, the unit of every tolerance.
-double diameter_of(const topology::TopologyCache& cache, const std::vector<bool>& keep) {
+topology::Box bounds_of(const topology::TopologyCache& cache, const std::vector<bool>& keep) {
   topology::Box box;
   for (std::size_t i = 0; i < keep.size(); ++i)
     if (keep[i]) box.extendBy(cache.topology.components[i].bounds);
+  return box;
+}
+
+// Diameter of the box that holds the kept components, the unit of every tolerance.
+double diameter_of(const topology::Box& box) {
   return box.isEmpty() ? 0.0 : (box.max - box.min).length();
+}
+
+std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::TopologyCache& cache,
+                                         const std::vector<bool>& keep,
+                                         const GeometryOptions& options) {
+  const topology::Box box = bounds_of(cache, keep);
+  const topology::OctreeView octree = cache.topology.octree();
+  const double diameter = diameter_of(box);
+  const bool streamline = options.membership == Membership::kStreamline;
+  std::unique_ptr<RaySurface> surface;
+  if (box.isEmpty())  // nothing is kept
+    return std::make_unique<SphereSurface>(field, box, 0.0, 0.0);
+  if (options.solver == Solver::kSphere) {
+    topology::Box all = box;  // undecided leaves belong to no component, but may hold their surface
+    octree.for_each_leaf([&](const topology::OctreeView::Leaf& leaf) {
+      if (octree.nodes[leaf.node].cell_content() == topology::Content::kUndecided)
+        all.extendBy(leaf.box);
+    });
+    const double lipschitz = lipschitz_bound(field, all);
+    surface = std::make_unique<SphereSurface>(field, all, lipschitz, kTolerance * diameter);
+  } else {
+    // The paper's filter is to tell components apart by itself.
+    const std::vector<bool> all(keep.size(), true);
+    const BrickSet::Options bricks{.margin = kMargin * diameter,
+                                   .slope_ranges = options.solver == Solver::kSegment};
+    surface = std::make_unique<BrickSurface>(
+        BrickSet(field, octree, streamline ? all : keep, bricks), field, kTolerance * diameter);
+  }
+  if (streamline)
+    surface->set_filter(make_streamline_filter(field, octree, keep), RaySurface::Filtered::kAll);
+  else
+    surface->set_filter(make_label_filter(field, octree, keep, kTolerance * diameter),
+                        options.membership == Membership::kOff ? RaySurface::Filtered::kNone
+                                                               : RaySurface::Filtered::kMixed);
+  if (options.check_bounds) surface->check_bounds();
+  return surface;
 }
 
 }  // namespace
@@ -37,7 +82,7 @@ struct HypertextureGeometry::Impl {
   std::shared_ptr<const topology::TopologyCache> cache;
   std::vector<bool> keep;
   double diameter;
-  BrickSurface surface;
+  std::unique_ptr<const RaySurface> surface;
   topology::Box bounds;
   CallbackData callback_data;
 
@@ -45,16 +90,11 @@ struct HypertextureGeometry::Impl {
        const GeometryOptions& options)
       : field(std::move(f)),
         cache(std::move(c)),
-        keep(kept(*cache, options.keep)),
-        diameter(diameter_of(*cache, keep)),
-        surface(BrickSet(*field, cache->topology.octree(), keep,
-                         {.margin = kMargin * diameter,
-                          .slope_ranges = options.solver == Solver::kSegment}),
-                kTolerance * diameter, options.solver) {
-    const BrickSet& bricks = surface.bricks();
-    for (std::uint32_t i = 0; i < bricks.size(); ++i)
-      bounds.extendBy(bricks.surface_box(bricks[i]));
-    callback_data = {&surface, padding(options.far_distance)};
+        keep(kept(*cache, options)),
+        diameter(diameter_of(bounds_of(*cache, keep))),
+        surface(make_surface(*field, *cache, keep, options)) {
+    for (std::uint32_t i = 0; i < surface->size(); ++i) bounds.extendBy(surface->bounds(i));
+    callback_data = {surface.get(), padding(options.far_distance)};
   }
 
   // Embree's slab test works in float: with t up to (far_distance + 1) diameters, an entry or exit
@@ -67,16 +107,6 @@ struct HypertextureGeometry::Impl {
     for (int i = 0; i < 3; ++i)
       largest = std::max({largest, std::abs(bounds.min[i]), std::abs(bounds.max[i])});
     return 8.0 * kUlp * largest + 2.0 * kUlp * (far_distance + 1.0) * diameter;
-  }
-
-  // F wherever asked; the block's field where that is valid.
-  double value_near(std::uint32_t brick, const Imath::V3d& x) const {
-    const BrickSet& bricks = surface.bricks();
-    const Brick& b = bricks[brick];
-    topology::Box box = bricks.box(b);
-    box.min -= Imath::V3d(bricks.margin());
-    box.max += Imath::V3d(bricks.margin());
-    return box.intersects(x) ? bricks.field(b).value(x) : field->value(x);
   }
 };
 
@@ -100,40 +130,65 @@ std::optional<HypertextureGeometry::Hit> HypertextureGeometry::intersect_brick(
     std::uint32_t brick, const Imath::V3d& origin, const Imath::V3d& direction, double tnear,
     double tfar) const {
   const RaySegment segment{origin, direction, tnear, tfar};
-  BrickSurface::Root root;
-  if (!impl_->surface.first_root(brick, segment, root)) return std::nullopt;
-  return Hit{root.t, impl_->surface.gradient(brick, segment, root), root.evaluations};
+  RaySurface::Root root;
+  if (!impl_->surface->first_root(brick, segment, root)) return std::nullopt;
+  return Hit{root.t, impl_->surface->gradient(brick, segment, root), root.evaluations, root.beyond};
 }
 
 ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& point,
                                          float extra_error) const {
   const Imath::V3d x(point);
-  const BrickSet& bricks = impl_->surface.bricks();
-  const Brick& b = bricks[brick];
-  topology::Box box = bricks.box(b);
-  box.min -= Imath::V3d(bricks.margin());
-  box.max += Imath::V3d(bricks.margin());
-  const Imath::V3d gradient =
-      box.intersects(x) ? bricks.field(b).jet(x).gradient : impl_->field->jet(x).gradient;
+  const topology::Jet jet = impl_->surface->field_near(brick, x).jet(x);
 
   // F's gradient vanishes on the surface only at degenerate points (F = 0 at a saddle): outward
   // from the object's centre is then as good as any direction.
-  Imath::V3d normal = -gradient;
-  if (!(normal.length2() > 0.0)) normal = x - topology::centre(impl_->bounds);
+  Imath::V3d normal = -jet.gradient;
+  const double slope = normal.length();
+  if (!(slope > 0.0)) normal = x - topology::centre(impl_->bounds);
   if (!(normal.length2() > 0.0)) normal = {0.0, 0.0, 1.0};
   normal.normalize();
 
-  const double offset =
-      2.0 * (float_error(x) + impl_->surface.tolerance() + static_cast<double>(extra_error));
-  const auto value = [&](const Imath::V3d& p) { return impl_->value_near(brick, p); };
-  const SpawnPoint front = spawn_point(x, normal, offset, -1.0, value);
-  const SpawnPoint behind = spawn_point(x, -normal, offset, 1.0, value);
-  return {Imath::V3f(normal), front.point, behind.point, front.verified && behind.verified,
-          b.component};
+  const double error =
+      float_error(x) + impl_->surface->tolerance() + static_cast<double>(extra_error);
+  const auto value = [&](const Imath::V3d& p) {
+    return impl_->surface->field_near(brick, p).value(p);
+  };
+  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value);
+  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value);
+
+  ShadingPoint s;
+  s.normal = Imath::V3f(normal);
+  s.spawn_front = front.point;
+  s.spawn_behind = behind.point;
+  s.spawn_verified = front.verified && behind.verified;
+  s.component = impl_->surface->component_at(brick, x);
+  const double step = slope > 0.0 ? std::clamp(jet.value / slope, -error, error) : 0.0;
+  s.position = x + normal * step;
+  s.position_error = std::max((Imath::V3d(front.point) - s.position).length(),
+                              (Imath::V3d(behind.point) - s.position).length());
+  return s;
+}
+
+SurfaceDetail HypertextureGeometry::detail(std::uint32_t brick, const Imath::V3d& point) const {
+  const topology::Jet jet = impl_->surface->field_near(brick, point).jet(point);
+  const FieldParts parts = impl_->field->parts(point);
+  SurfaceDetail d;
+  d.component = impl_->surface->component_at(brick, point);
+  d.density = parts.density;
+  d.noise = parts.noise;
+  d.reference = parts.reference;
+  d.gradient = jet.gradient;
+  d.curvature = curvature(jet);
+  return d;
 }
 
 std::uint32_t HypertextureGeometry::component(std::uint32_t brick) const {
-  return impl_->surface.bricks()[brick].component;
+  return impl_->surface->component(brick);
+}
+
+std::uint32_t HypertextureGeometry::component_at(std::uint32_t brick,
+                                                 const Imath::V3d& point) const {
+  return impl_->surface->component_at(brick, point);
 }
 
 std::uint32_t HypertextureGeometry::main_component() const {
@@ -143,15 +198,20 @@ std::uint32_t HypertextureGeometry::main_component() const {
 topology::Box HypertextureGeometry::bounds() const { return impl_->bounds; }
 
 topology::Box HypertextureGeometry::brick_bounds(std::uint32_t brick) const {
-  const BrickSet& bricks = impl_->surface.bricks();
-  return bricks.box(bricks[brick]);
+  return impl_->surface->cell(brick);
+}
+
+topology::Box HypertextureGeometry::primitive_bounds(std::uint32_t brick) const {
+  return impl_->surface->bounds(brick);
 }
 
 double HypertextureGeometry::bounds_padding() const { return impl_->callback_data.padding; }
 
+double HypertextureGeometry::tolerance() const { return impl_->surface->tolerance(); }
+
 GeometryStatistics HypertextureGeometry::statistics() const {
-  const BrickSet& bricks = impl_->surface.bricks();
-  return {bricks.size(), bricks.block_count(), bricks.bytes(), impl_->surface.limits()};
+  const RaySurface& s = *impl_->surface;
+  return {s.size(), s.blocks(), s.bytes(), s.limits(), s.violations()};
 }
 
 const Field& HypertextureGeometry::field() const { return *impl_->field; }

@@ -8,8 +8,9 @@
 #include <optional>
 
 #include "hypertexture_geom/embree/compat.h"  // the only place that includes Embree's headers
-#include "hypertexture_geom/embree/solver.h"
+#include "hypertexture_geom/embree/shading.h"
 #include "hypertexture_geom/field/field.h"
+#include "hypertexture_geom/field/ray_options.h"
 #include "topology/cache_file.h"
 
 namespace morsel::geom {
@@ -20,18 +21,11 @@ struct GeometryOptions {
   // watertight: Embree culls boxes in single precision, so bricks are padded in proportion.
   double far_distance = 100.0;
   Solver solver = Solver::kModel;
-};
-
-// What a renderer needs to know of a hit, in object space.
-struct ShadingPoint {
-  Imath::V3f normal;  // unit, outward (-grad F), from the exact gradient
-  // Origins for rays that leave to the outside (F < 0 there, by evaluation) and to the inside (F >
-  // 0 there, by evaluation). Where a sheet is too thin for that, the best point tried: check the
-  // flag.
-  Imath::V3f spawn_front;
-  Imath::V3f spawn_behind;
-  bool spawn_verified = false;  // both signs are as said
-  std::uint32_t component = topology::kNoComponent;
+  // With kStreamline the constructor runs the Morse engine and may throw what that throws.
+  Membership membership = Membership::kLabels;
+  // Debug mode: every evaluation is compared with the bound that the solver relies on there; see
+  // GeometryStatistics::violations.
+  bool check_bounds = false;
 };
 
 struct GeometryStatistics {
@@ -40,6 +34,7 @@ struct GeometryStatistics {
   std::uint64_t bytes = 0;   // of the bricks; the fields' own memory is not included
   // Ray tests that ended at the evaluation limit, so that a hit may be missing or not the first.
   std::uint64_t limits = 0;
+  std::uint64_t violations = 0;  // of bounds, found with check_bounds: the field or its models err
 };
 
 // What create() does on request.
@@ -49,9 +44,9 @@ struct CreateOptions {
   bool occlusion_filter = false;
 };
 
-// Hypertexture surface as Embree user geometry: one primitive a brick, a brick being a leaf of the
-// labelled octree that holds surface of a kept component. Immutable after construction and shared
-// by all instances.
+// Hypertexture surface as Embree user geometry: one primitive a brick, a brick being a cell of the
+// labelled octree that holds surface of a kept component (with Solver::kSphere one for all).
+// Immutable after construction and shared by all instances.
 class HypertextureGeometry {
  public:
   HypertextureGeometry(std::shared_ptr<const Field> field,
@@ -73,6 +68,7 @@ class HypertextureGeometry {
     double t;
     Imath::V3d gradient;  // of F at the hit
     int evaluations;
+    double beyond;  // to find the brick's next root, pass this as tnear
   };
   std::optional<Hit> intersect_brick(std::uint32_t brick, const Imath::V3d& origin,
                                      const Imath::V3d& direction, double tnear, double tfar) const;
@@ -82,11 +78,21 @@ class HypertextureGeometry {
   // transform).
   ShadingPoint shade(std::uint32_t brick, const Imath::V3f& point, float extra_error = 0.0f) const;
 
+  // Density, noise, reference coordinates and curvature at `point`, a hit's on `brick` (or any near
+  // it: all of these are defined off the surface as well).
+  SurfaceDetail detail(std::uint32_t brick, const Imath::V3d& point) const;
+
+  // Component of the brick's surface; kNoComponent where that depends on the place (a leaf that the
+  // topology left undecided; all of the object with Solver::kSphere): then ask component_at.
   std::uint32_t component(std::uint32_t brick) const;
+  std::uint32_t component_at(std::uint32_t brick, const Imath::V3d& point) const;
   std::uint32_t main_component() const;
   topology::Box bounds() const;                           // of the bricks; empty if there are none
   topology::Box brick_bounds(std::uint32_t brick) const;  // the octree's cell
+  topology::Box primitive_bounds(std::uint32_t brick) const;  // of its part that may hold surface
   double bounds_padding() const;  // what Embree's bounds add to that, see far_distance
+  // Greatest error of a hit's place along its ray, as a length.
+  double tolerance() const;
   GeometryStatistics statistics() const;
   const Field& field() const;
   const topology::TopologyCache& cache() const;

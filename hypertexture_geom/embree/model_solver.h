@@ -4,16 +4,17 @@
 #include <Imath/ImathVec.h>
 
 #include "hypertexture_geom/embree/ray_cubic.h"
-#include "topology/scalar_field.h"
 
 namespace morsel::geom {
 
 struct ModelResult {
   bool hit = false;
-  bool limit = false;        // as SegmentResult's
-  double s = 0.0;            // of the hit, in [0, 1]
-  double beyond = 0.0;       // >= s, where the search for a next root starts
-  Imath::V3d gradient{0.0};  // of F at the hit, if has_gradient
+  bool limit = false;   // as SegmentResult's
+  double s = 0.0;       // of the hit, in [0, 1]
+  double beyond = 0.0;  // >= s, where the search for a next root starts
+  // If has_gradient: of F at gradient_at, a place within a Newton step of s.
+  Imath::V3d gradient{0.0};
+  double gradient_at = 0.0;
   bool has_gradient = false;
   int evaluations = 0;  // of F, with or without its derivatives
 };
@@ -46,14 +47,14 @@ inline float monotone_root(const RayCubic& p) {
 // evaluation proves `tolerance` (in units of s). What is left - ends within the band, grazing rays
 // - is halved up to kHalvings times and then handed to `first_root` (segment.h) with the slopes and
 // curvatures that p and its errors give.
-//   value(s) -> F;  jet(s, slope) -> topology::Jet of F at x(s), and sets dF/ds
+//   value(s) -> F;  with_gradient(s, gradient, slope) -> F, and sets its gradient and dF/ds
 // `strict`, `any`: as first_root.
-template <class Value, class JetAt>
+template <class Value, class WithGradient>
 class ModelSolver {
  public:
-  ModelSolver(const Value& value, const JetAt& jet, const RayCubicError& error,
-              const Imath::V3d& step, double tolerance)
-      : value_(value), jet_(jet), error_(error), step_(step), tolerance_(tolerance) {}
+  ModelSolver(const Value& value, const WithGradient& with_gradient, const RayCubicError& error,
+              double tolerance)
+      : value_(value), with_gradient_(with_gradient), error_(error), tolerance_(tolerance) {}
 
   ModelResult solve(const RayCubic& whole, bool strict, bool any) const {
     ModelResult result;
@@ -122,9 +123,8 @@ class ModelSolver {
     double s = from + width * detail::monotone_root(p);
     for (int i = 0; i < 6; ++i) {
       double slope = 0.0;
-      const topology::Jet jet = jet_(s, slope);
+      const double g = with_gradient_(s, result.gradient, slope);
       ++result.evaluations;
-      const double g = jet.value;
       ((g < 0.0) == rising ? lo : hi) = s;
       if (!(rising ? slope > 0.0 : slope < 0.0)) return false;
       const double step = -g / slope, reach = std::abs(g) / least;
@@ -134,20 +134,13 @@ class ModelSolver {
         result.hit = true;
         result.s = next;
         result.beyond = std::min(hi, next + tolerance_);
-        result.gradient = gradient_after(jet, step_ * step);
+        result.gradient_at = s;
         result.has_gradient = true;
         return true;
       }
       s = next;
     }
     return false;
-  }
-
-  static Imath::V3d gradient_after(const topology::Jet& j, const Imath::V3d& d) {
-    const double* h = j.hessian;
-    return j.gradient + Imath::V3d(h[0] * d.x + h[3] * d.y + h[4] * d.z,
-                                   h[3] * d.x + h[1] * d.y + h[5] * d.z,
-                                   h[4] * d.x + h[5] * d.y + h[2] * d.z);
   }
 
   bool by_field(const RayCubic& p, float from, float width, float slope_lo, float slope_hi,
@@ -171,9 +164,8 @@ class ModelSolver {
   }
 
   const Value& value_;
-  const JetAt& jet_;
+  const WithGradient& with_gradient_;
   const RayCubicError& error_;
-  Imath::V3d step_;
   double tolerance_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Imath/ImathVec.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -72,6 +74,19 @@ inline RayCubic restrict_to_ray(const float* c, const float start[3], const floa
   constexpr float kSixth = 1.0f / 6.0f;
   return {{v[0], kSixth * (-5.0f * v[0] + 18.0f * v[1] - 9.0f * v[2] + 2.0f * v[3]),
            kSixth * (2.0f * v[0] - 9.0f * v[1] + 18.0f * v[2] - 5.0f * v[3]), v[3]}};
+}
+
+// Gradient of the cubic at `u`.
+inline Imath::V3d cubic_gradient(const float* c, const Imath::V3d& u) {
+  using namespace topology::monomial;
+  const auto k = [&](int i) { return static_cast<double>(c[i]); };
+  const double x = u.x, y = u.y, z = u.z;
+  return {k(kX) + x * (2.0 * k(kXX) + 3.0 * x * k(kXXX) + 2.0 * (y * k(kXXY) + z * k(kXXZ))) +
+              y * (k(kXY) + y * k(kXYY) + z * k(kXYZ)) + z * (k(kXZ) + z * k(kXZZ)),
+          k(kY) + y * (2.0 * k(kYY) + 3.0 * y * k(kYYY) + 2.0 * (x * k(kXYY) + z * k(kYYZ))) +
+              x * (k(kXY) + x * k(kXXY) + z * k(kXYZ)) + z * (k(kYZ) + z * k(kYZZ)),
+          k(kZ) + z * (2.0 * k(kZZ) + 3.0 * z * k(kZZZ) + 2.0 * (x * k(kXZZ) + y * k(kYZZ))) +
+              x * (k(kXZ) + x * k(kXXZ) + y * k(kXYZ)) + y * (k(kYZ) + y * k(kYYZ))};
 }
 
 // How far g(s) = F(entry + s * (exit - entry)) and its derivatives may differ from the cubic's on

@@ -20,6 +20,10 @@ class Expression : public Term {
   // A box outside of which a value of `level` or more is not to be expected; empty when there is
   // none.
   virtual std::optional<topology::Box> superlevel_box(double level) const = 0;
+
+  // Of a modulation: where it evaluates what came before it for a value at `x`. Only a domain warp
+  // looks elsewhere than at x.
+  virtual Imath::V3d source_of(const Imath::V3d& x) const { return x; }
 };
 
 }  // namespace morsel::geom

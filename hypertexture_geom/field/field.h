@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "hypertexture_geom/field/ray_options.h"
 #include "hypertexture_geom/field/term.h"
 #include "hypertexture_geom/params/json_reader.h"
 #include "topology/cache_file.h"
@@ -14,6 +15,15 @@
 #include "topology/scalar_field.h"
 
 namespace morsel::geom {
+
+// What a field's value F(x) is made of, for shading.
+struct FieldParts {
+  double density = 0.0;  // D, as it was before any modulation
+  double noise = 0.0;    // F(x) - D: all that the modulations did
+  // Reference coordinates: the place at which D was evaluated, that is where the point was on the
+  // object before domain warps moved it. The point itself when there are none.
+  Imath::V3d reference{0.0};
+};
 
 // A field that came from a scene file.
 class Field : public Term {
@@ -24,6 +34,9 @@ class Field : public Term {
   // A box outside of which F < 0 is certain; may be far too large. Empty when the solid is
   // unbounded.
   virtual std::optional<topology::Box> solid_bounds() const = 0;
+
+  // The parts of F(x); unless a field says otherwise, all of it is density.
+  virtual FieldParts parts(const Imath::V3d& x) const { return {value(x), 0.0, x}; }
 };
 
 // The declaration of {"density", "modulations"}.
@@ -39,14 +52,16 @@ struct Hypertexture {
   std::shared_ptr<const Field> field;
   topology::CertifyOptions certify;  // box derived from the field unless the scene gives "bounds"
   topology::KeepRule keep;
+  Solver solver = Solver::kModel;
+  Membership membership = Membership::kLabels;
   std::string cache;  // explicit cache file of the scene ("" if none), relative to the scene file
   nlohmann::json canonical;  // field and options that the topology depends on
   std::string hash;          // fingerprint of `canonical`, 32 hexadecimal digits
 };
 
 // Reads a geometry object {"name", "type": "hypertexture", "field", "bounds", "max_depth",
-// "min_depth", "keep", "cache"}. Throws params::InputError. Deriving the box takes up to a few
-// seconds.
+// "min_depth", "keep", "solver", "membership", "cache"}. Throws params::InputError. Deriving the
+// box takes up to a few seconds.
 Hypertexture hypertexture_from_json(const nlohmann::json& json, const params::Place& place);
 
 // The declaration that hypertexture_from_json reads by.

@@ -3,6 +3,8 @@
 #include <xxhash.h>
 
 #include <chrono>
+#include <memory>
+#include <vector>
 
 #include "hypertexture_geom/field/canonical.h"
 #include "hypertexture_geom/field/field.h"
@@ -21,8 +23,10 @@ using topology::Box;
 // A composition read from a scene.
 class SceneField final : public Field {
  public:
-  SceneField(std::shared_ptr<const Expression> root, json canonical)
-      : root_(std::move(root)), canonical_(std::move(canonical)) {}
+  // `stages` are the density and what each modulation made of what came before it, the last being
+  // the field.
+  SceneField(std::vector<std::shared_ptr<const Expression>> stages, json canonical)
+      : stages_(std::move(stages)), root_(stages_.back().get()), canonical_(std::move(canonical)) {}
 
   double value(const Imath::V3d& x) const override { return root_->value(x); }
   topology::Jet jet(const Imath::V3d& x) const override { return root_->jet(x); }
@@ -33,9 +37,18 @@ class SceneField final : public Field {
   TapeValue emit(TapeBuilder& tape) const override { return root_->emit(tape); }
   json canonical_json() const override { return canonical_; }
   std::optional<Box> solid_bounds() const override { return root_->superlevel_box(0.0); }
+  FieldParts parts(const Imath::V3d& x) const override {
+    FieldParts p;
+    p.reference = x;
+    for (std::size_t i = stages_.size(); i-- > 1;) p.reference = stages_[i]->source_of(p.reference);
+    p.density = stages_[0]->value(p.reference);
+    p.noise = value(x) - p.density;
+    return p;
+  }
 
  private:
-  std::shared_ptr<const Expression> root_;
+  std::vector<std::shared_ptr<const Expression>> stages_;
+  const Expression* root_;
   json canonical_;
 };
 
@@ -87,15 +100,15 @@ const params::Declaration& field_declaration() {
 std::shared_ptr<const Field> field_from_json(const json& value, const Place& place) {
   // First, since it checks all of the description, nested objects and their depth included.
   json canonical = canonical_object(value, field_declaration(), place);
-  std::shared_ptr<const Expression> root =
-      density_from_json(canonical["density"], place / "density");
+  std::vector<std::shared_ptr<const Expression>> stages{
+      density_from_json(canonical["density"], place / "density")};
   const json& sequence = canonical["modulations"];
   for (std::size_t i = 0; i < sequence.size(); ++i) {
     const Place here = place / "modulations" / i;
     const ModulationEntry& m = modulation_entry(sequence[i], here);
-    root = m.make(std::move(root), params::JsonReader(sequence[i], m.declaration, here));
+    stages.push_back(m.make(stages.back(), params::JsonReader(sequence[i], m.declaration, here)));
   }
-  return std::make_shared<SceneField>(std::move(root), std::move(canonical));
+  return std::make_shared<SceneField>(std::move(stages), std::move(canonical));
 }
 
 const params::Declaration& hypertexture_declaration() {
@@ -122,6 +135,18 @@ const params::Declaration& hypertexture_declaration() {
        {"keep", Type::kString, "main",
         "Components to render: main, largest:K, volume:V, touching:X,Y,Z, all, detached, "
         "ids:I,J,..."},
+       {.name = "solver",
+        .type = Type::kChoice,
+        .default_value = "model",
+        .help = "How rays find the surface: model (fastest), segment, or sphere (the paper's).",
+        .choices = {"sphere", "segment", "model"}},
+       {.name = "membership",
+        .type = Type::kChoice,
+        .default_value = "labels",
+        .help =
+            "How detached pieces are told: labels, streamline (the paper's ascent to a maximum), "
+            "or off (every piece is kept).",
+        .choices = {"labels", "streamline", "off"}},
        {.name = "cache",
         .type = Type::kString,
         .help =
@@ -145,6 +170,13 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
   } catch (const std::invalid_argument& e) {
     reader.place("keep").fail(e.what());
   }
+  const std::string solver = reader.string("solver"), membership = reader.string("membership");
+  h.solver = solver == "sphere"    ? Solver::kSphere
+             : solver == "segment" ? Solver::kSegment
+                                   : Solver::kModel;
+  h.membership = membership == "streamline" ? Membership::kStreamline
+                 : membership == "off"      ? Membership::kOff
+                                            : Membership::kLabels;
   if (reader.has("cache")) h.cache = reader.string("cache");
   if (reader.has("bounds")) {
     h.certify.box = read_bounds(reader.object("bounds"), place / "bounds");

@@ -19,6 +19,7 @@
 // and, for arguments that are expressions, what Expression has:
 //   topology::Interval expected_range(const Expressions& f) const
 //   std::optional<topology::Box> superlevel_box(const Expressions& f, double level) const
+//   Imath::V3d source_of(const Expressions& f, const Imath::V3d& x) const      (may be absent)
 namespace morsel::geom {
 
 using Expressions = std::vector<std::shared_ptr<const Expression>>;
@@ -64,6 +65,12 @@ class OperationExpression final : public Expression {
   topology::Interval expected_range() const override { return operation_.expected_range(f_); }
   std::optional<topology::Box> superlevel_box(double level) const override {
     return operation_.superlevel_box(f_, level);
+  }
+  Imath::V3d source_of(const Imath::V3d& x) const override {
+    if constexpr (requires { operation_.source_of(f_, x); })
+      return operation_.source_of(f_, x);
+    else
+      return x;
   }
 
  private:

@@ -23,8 +23,13 @@ using topology::LocalModel;
 // Arguments: H and the three components of the displacement w.
 struct Warp {
   template <class F>
+  Imath::V3d source_of(const F& f, const Imath::V3d& x) const {
+    return x + Imath::V3d(f[1]->value(x), f[2]->value(x), f[3]->value(x));
+  }
+
+  template <class F>
   double value(const F& f, const Imath::V3d& x) const {
-    return f[0]->value(x + Imath::V3d(f[1]->value(x), f[2]->value(x), f[3]->value(x)));
+    return f[0]->value(source_of(f, x));
   }
 
   // With J = I + grad w: gradient J^T grad H, Hessian J^T Hess H J + sum_a dH/dy_a Hess w_a.

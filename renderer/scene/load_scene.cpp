@@ -233,8 +233,12 @@ class SceneLoader {
     if (!topology.certified)
       warn(fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
                        hypertexture.name, topology.unresolved_cells, topology.unresolved_faces));
-    auto geometry = std::make_shared<const geom::HypertextureGeometry>(
-        hypertexture.field, stored.cache, geom::GeometryOptions{hypertexture.keep});
+    geom::GeometryOptions ray_options;
+    ray_options.keep = hypertexture.keep;
+    ray_options.solver = hypertexture.solver;
+    ray_options.membership = hypertexture.membership;
+    auto geometry = std::make_shared<const geom::HypertextureGeometry>(hypertexture.field,
+                                                                       stored.cache, ray_options);
 
     HypertextureReport report;
     report.geometry = hypertexture.name;

@@ -18,7 +18,7 @@
 #include <random>
 #include <vector>
 
-#include "hypertexture_geom/embree/brick_surface.h"
+#include "hypertexture_geom/embree/ray_surface.h"
 #include "tests/hypertexture_geom/embree_scene.h"
 #include "tests/hypertexture_geom/eq13.h"
 

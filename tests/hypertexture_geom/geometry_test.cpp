@@ -28,7 +28,7 @@ TEST_F(GeometryTest, HasBricksOfOneComponent) {
   EXPECT_GT(geometry_->statistics().bricks, 100u);
   EXPECT_EQ(geometry_->statistics().limits, 0u);
   EXPECT_EQ(geometry_->main_component(), geometry_->component(0));
-  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 136);
+  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 200);
 }
 
 TEST_F(GeometryTest, HitsTheBallFromOutsideAndInside) {
@@ -194,8 +194,8 @@ TEST_F(GeometryTest, InactiveRays) {
       packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
     shadow = packet.ray;
-    intersect8(valid, scene_.scene(), packet);
-    occluded8(valid, scene_.scene(), shadow);
+    intersect_packet(valid, scene_.scene(), packet);
+    occluded_packet(valid, scene_.scene(), shadow);
     for (int i = 0; i < 8; ++i) {
       if (valid[i] == 0) {
         EXPECT_EQ(packet.hit.geomID[i], RTC_INVALID_GEOMETRY_ID);

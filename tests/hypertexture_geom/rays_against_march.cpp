@@ -105,7 +105,8 @@ void compare(const RTCRay& ray, const EmbreeScene& scene, const HypertextureGeom
   const double difference = hit && expected ? std::abs(t - expected->t) * speed : 0.0;
   if (hit && expected && difference <= 1e-4 * object_size + rounding) {
     c.worst = std::max(c.worst, difference - rounding);
-    if (geometry.component(found.hit.primID) != expected->component) ++c.wrong_component;
+    if (geometry.component_at(found.hit.primID, o + d * t) != expected->component)
+      ++c.wrong_component;
     return;
   }
   if (hit && (!expected || t < expected->t)) {
