@@ -11,6 +11,7 @@ void add_cache_build(CLI::App& parent, Session& session);
 void add_cache_info(CLI::App& parent, Session& session);
 void add_field_eval(CLI::App& parent, Session& session);
 void add_field_sample(CLI::App& parent, Session& session);
+void add_mesh(CLI::App& parent, Session& session);
 void add_render(CLI::App& parent, Session& session);
 void add_scene_check(CLI::App& parent, Session& session);
 

@@ -55,5 +55,6 @@ int main(int argc, char** argv) {
     field->require_subcommand(1);
     add_field_eval(*field, session);
     add_field_sample(*field, session);
+    add_mesh(app, session);
   });
 }

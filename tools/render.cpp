@@ -165,9 +165,9 @@ int run(const Options& options, const Session& session) {
   const std::optional<render::Crop> crop = checked_crop(options, overrides);
   const StatisticsTarget target = parse_statistics(options.stats);
   const fs::path exr = exr_path(options), png = png_path(options, exr);
-  require_writable(exr);
-  if (!png.empty()) require_writable(png);
-  if (!target.file.empty()) require_writable(target.file);
+  topology::require_replaceable(exr);
+  if (!png.empty()) topology::require_replaceable(png);
+  if (!target.file.empty()) topology::require_replaceable(target.file);
 
   const auto threads = limit_threads(options.threads);
   RenderReport report{options.scene.scene, exr.string(), png.string()};

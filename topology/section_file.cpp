@@ -67,6 +67,19 @@ bool is_name(std::string_view name) {
          });
 }
 
+template <class Work>
+auto as_cache_error(Work&& work) {
+  try {
+    return work();
+  } catch (const std::runtime_error& e) {
+    throw CacheError(e.what());
+  }
+}
+
+ReplacingFile replacing(const std::filesystem::path& target) {
+  return as_cache_error([&] { return ReplacingFile(target); });
+}
+
 }  // namespace
 
 CacheError wrong_record_size(std::string_view file, std::string_view section, std::size_t found,
@@ -76,23 +89,19 @@ CacheError wrong_record_size(std::string_view file, std::string_view section, st
 }
 
 SectionWriter::SectionWriter(const std::filesystem::path& target)
-    : target_(target), path_(target.string() + fmt::format(".{}.tmp", ::getpid())) {
-  fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd_ < 0) {
-    path_.clear();  // not ours to remove
-    fail("cannot create");
-  }
+    : file_(replacing(target)), target_(target.string()) {
+  fd_ = ::open(file_.temporary_path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd_ < 0) fail("cannot create");
   const Header blank{};
   write(std::as_bytes(std::span(&blank, 1)));
 }
 
 SectionWriter::~SectionWriter() {
   if (fd_ >= 0) ::close(fd_);
-  if (!path_.empty()) ::unlink(path_.c_str());
 }
 
 void SectionWriter::fail(const char* what) const {
-  throw CacheError(fmt::format("{}: {}: {}", target_.string(), what, std::strerror(errno)));
+  throw CacheError(fmt::format("{}: {}: {}", target_, what, std::strerror(errno)));
 }
 
 void SectionWriter::write(std::span<const std::byte> bytes) {
@@ -113,12 +122,12 @@ void SectionWriter::pad() {
 void SectionWriter::add(std::string_view name, std::span<const std::byte> bytes,
                         std::uint32_t element_bytes, bool required) {
   if (!is_name(name) || element_bytes == 0 || bytes.size() % element_bytes != 0)
-    throw CacheError(fmt::format("{}: section \"{}\" is malformed", target_.string(), name));
+    throw CacheError(fmt::format("{}: section \"{}\" is malformed", target_, name));
   for (const SectionEntry& e : entries_)
     if (e.name == name)
-      throw CacheError(fmt::format("{}: section \"{}\" given twice", target_.string(), name));
+      throw CacheError(fmt::format("{}: section \"{}\" given twice", target_, name));
   if (entries_.size() == kMaxSections)
-    throw CacheError(fmt::format("{}: more than {} sections", target_.string(), kMaxSections));
+    throw CacheError(fmt::format("{}: more than {} sections", target_, kMaxSections));
   entries_.push_back(
       {std::string(name), offset_, bytes.size(), element_bytes, required, checksum_of(bytes)});
   write(bytes);
@@ -145,19 +154,18 @@ std::uint64_t SectionWriter::publish() {
   write(std::as_bytes(std::span(directory)));
   header.file_bytes = offset_;
   header.checksum = checksum_of(header, directory);
-  if (::pwrite(fd_, &header, sizeof header, 0) != static_cast<ssize_t>(sizeof header) ||
-      ::fsync(fd_) != 0)
+  if (::pwrite(fd_, &header, sizeof header, 0) != static_cast<ssize_t>(sizeof header))
     fail("cannot write");
   const int fd = fd_;
   fd_ = -1;
   if (::close(fd) != 0) fail("cannot write");
-  if (::rename(path_.c_str(), target_.c_str()) != 0) fail("cannot rename");
-  path_.clear();
+  as_cache_error([&] { file_.commit(); });
   return header.file_bytes;
 }
 
 SectionFile::SectionFile(const std::filesystem::path& path) : name_(path.string()) {
-  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // A pipe would make this call wait for its other end.
+  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw CacheError(fmt::format("{}: cannot open: {}", name_, std::strerror(errno)));
   try {
     read_directory();

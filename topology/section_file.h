@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "topology/replacing_file.h"
+
 namespace morsel::topology {
 
 // What is wrong with a cache file: the message names the file and the place in it.
@@ -62,8 +64,8 @@ class SectionWriter {
   void pad();
   [[noreturn]] void fail(const char* what) const;
 
-  std::filesystem::path target_;
-  std::string path_;
+  ReplacingFile file_;
+  std::string target_;
   int fd_ = -1;
   std::uint64_t offset_ = 0;
   std::vector<SectionEntry> entries_;

@@ -73,6 +73,10 @@ std::vector<OctreeNode> TreeBuilder::grow_children(const ScalarField& field, con
   std::array<std::vector<OctreeNode>, 8> parts;
   tbb::parallel_for(0, 8,
                     [&](int i) { parts[i] = grow_task(*local, child_box(cell, i), depth + 1); });
+  // When another task threw, a nested loop returns without having called its body, and the
+  // exception goes on its way from the outermost one.
+  for (const auto& part : parts)
+    if (part.empty()) throw Cancelled();
   // Children first, so that they are neighbours; then each child's descendants.
   std::size_t total = 0;
   for (const auto& part : parts) total += part.size();

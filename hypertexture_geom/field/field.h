@@ -25,6 +25,9 @@ class Field : public Term {
   virtual std::optional<topology::Box> solid_bounds() const = 0;
 };
 
+// The declaration of {"density", "modulations"}.
+const params::Declaration& field_declaration();
+
 // Reads {"density": {...}, "modulations": [{...}, ...]}. Throws params::InputError.
 std::shared_ptr<const Field> field_from_json(const nlohmann::json& json,
                                              const params::Place& place);

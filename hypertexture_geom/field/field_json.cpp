@@ -39,6 +39,34 @@ class SceneField final : public Field {
   json canonical_;
 };
 
+std::string fingerprint(const json& canonical) {
+  const std::string text = canonical.dump();
+  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+const params::Declaration& bounds_declaration() {
+  static const params::Declaration declaration{
+      "bounds",
+      "Box in object space that the topology is computed in.",
+      {{.name = "min", .type = Type::kVector3, .help = "Lower corner.", .unit = "length"},
+       {.name = "max", .type = Type::kVector3, .help = "Upper corner.", .unit = "length"}}};
+  return declaration;
+}
+
+Box read_bounds(const json& value, const Place& place) {
+  const params::JsonReader reader(value, bounds_declaration(), place);
+  const Box box(reader.vector3("min"), reader.vector3("max"));
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(box.min[axis] < box.max[axis]))
+      place.fail(
+          fmt::format("min must be below max on every axis, but on axis {} they are {} and {}",
+                      "xyz"[axis], box.min[axis], box.max[axis]));
+  return box;
+}
+
+}  // namespace
+
 const params::Declaration& field_declaration() {
   static const params::Declaration declaration{
       "field",
@@ -55,30 +83,6 @@ const params::Declaration& field_declaration() {
         .kind = "modulation"}}};
   return declaration;
 }
-
-std::string fingerprint(const json& canonical) {
-  const std::string text = canonical.dump();
-  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-
-Box read_bounds(const json& value, const Place& place) {
-  static const params::Declaration declaration{
-      "bounds",
-      "Box in object space that the topology is computed in.",
-      {{.name = "min", .type = Type::kVector3, .help = "Lower corner.", .unit = "length"},
-       {.name = "max", .type = Type::kVector3, .help = "Upper corner.", .unit = "length"}}};
-  const params::JsonReader reader(value, declaration, place);
-  const Box box(reader.vector3("min"), reader.vector3("max"));
-  for (int axis = 0; axis < 3; ++axis)
-    if (!(box.min[axis] < box.max[axis]))
-      place.fail(
-          fmt::format("min must be below max on every axis, but on axis {} they are {} and {}",
-                      "xyz"[axis], box.min[axis], box.max[axis]));
-  return box;
-}
-
-}  // namespace
 
 std::shared_ptr<const Field> field_from_json(const json& value, const Place& place) {
   // First, since it checks all of the description, nested objects and their depth included.
@@ -102,12 +106,14 @@ const params::Declaration& hypertexture_declaration() {
        {"type", Type::kString, "hypertexture", "Kind of geometry."},
        {.name = "field",
         .type = Type::kObject,
-        .help = "The field whose surface F = 0 is rendered."},
+        .help = "The field whose surface F = 0 is rendered.",
+        .record = &field_declaration()},
        {.name = "bounds",
         .type = Type::kObject,
         .help =
             "Box {min, max} that the topology is computed in; derived from the field when absent.",
-        .optional = true},
+        .optional = true,
+        .record = &bounds_declaration()},
        {"min_depth", Type::kInteger, 3, "Octree cells that hold surface are at least this deep.",
         "", 0, 12},
        {"max_depth", Type::kInteger, 20,

@@ -79,6 +79,11 @@ const Declaration& density_declaration() {
 
 }  // namespace
 
+const std::vector<const Declaration*>& mask_declarations() {
+  static const std::vector<const Declaration*> all{&height_declaration(), &density_declaration()};
+  return all;
+}
+
 const Declaration& mask_declaration(const nlohmann::json& object, const params::Place& place) {
   const std::string type = params::type_of(object, {"height", "density"}, place);
   return type == "height" ? height_declaration() : density_declaration();

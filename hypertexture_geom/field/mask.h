@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "hypertexture_geom/field/expression.h"
 #include "hypertexture_geom/params/json_reader.h"
@@ -11,6 +12,8 @@ namespace morsel::geom {
 // A mask: a factor between 0 and 1 that depends on the position, Perlin's smooth step (2002) of a
 // height or of a density: 0 up to `from`, 1 at `to` and beyond (or the other way round when from >
 // to).
+
+const std::vector<const params::Declaration*>& mask_declarations();
 
 // The declaration that object["type"] names. Throws params::InputError.
 const params::Declaration& mask_declaration(const nlohmann::json& object,

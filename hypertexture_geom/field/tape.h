@@ -65,9 +65,9 @@ inline constexpr std::size_t kTapeBlock = 8;
 
 // Layouts that the builder and the interpreter share. kProcess: constants frequency, the box's
 // centre in its lattice cell (3), scale; words cell of the centre (3), hash key, impulses per cell.
-// kPerlin: constants frequency, shift (3), amplitude; words cells along each axis (3) and then the
-// directions at lattice points, x fastest, as three signed bytes, lowest first. kPerlinHash:
-// constants likewise; words cell of the centre (3), hash key.
+// kPerlin: constants frequency, shift (3), amplitude; words cells along each axis (3) and then for
+// each cell, x fastest, the directions at its eight corners in four bits each, lowest first.
+// kPerlinHash: constants likewise; words cell of the centre (3), hash key.
 
 // Evaluates `count` points; coordinates and results are arrays of their own. `gradient` is null for
 // values only.

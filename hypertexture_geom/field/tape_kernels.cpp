@@ -24,6 +24,16 @@ constexpr std::size_t kMostLanes = 16;
 constexpr std::size_t kChunk = 64;          // points that go through the tape together
 constexpr std::size_t kFileOnStack = 8192;  // numbers in the register file before it is allocated
 
+// The components of Perlin's directions, one table each.
+struct DirectionBytes {
+  std::uint8_t of[3][16] = {};
+  constexpr DirectionBytes() {
+    for (int n = 0; n < kPerlinDirections; ++n)
+      for (int a = 0; a < 3; ++a)
+        of[a][n] = static_cast<std::uint8_t>(static_cast<int>(kPerlinDirection[n][a]) & 255);
+  }
+};
+
 // One chunk of points on its way through a tape. With kGradient, registers are a value and three
 // derivatives, else a value.
 template <class T, bool kGradient>
@@ -335,8 +345,49 @@ class Machine {
     }
   }
 
-  using DI = hn::RebindToSigned<D>;  // as many lanes as D
+  // 32-bit integers, as many as DF has lanes.
+  template <class DF>
+  using Integers = hn::Rebind<std::int32_t, DF>;
+  using DI = Integers<D>;
   using VI = hn::Vec<DI>;
+  template <class DF>
+  static hn::Vec<Integers<DF>> to_integers(DF, hn::Vec<DF> v) {
+    if constexpr (sizeof(T) == 4)
+      return hn::ConvertTo(Integers<DF>(), v);
+    else
+      return hn::DemoteTo(Integers<DF>(), v);
+  }
+  template <class DF>
+  static hn::Vec<DF> from_integers(DF, hn::Vec<Integers<DF>> v) {
+    if constexpr (sizeof(T) == 4)
+      return hn::ConvertTo(DF(), v);
+    else
+      return hn::PromoteTo(DF(), v);
+  }
+
+  // Perlin's directions of these indices (0 to 11).
+  template <class DF>
+  static void directions(DF, hn::Vec<Integers<DF>> index, hn::Vec<DF> (&e)[3]) {
+#if HWY_TARGET == HWY_SCALAR
+    for (int a = 0; a < 3; ++a)
+      e[a] = hn::Set(DF(), static_cast<T>(kPerlinDirection[hn::GetLane(index)][a]));
+#else
+    // A table of 16 bytes for each component, looked up in the highest byte of each lane, from
+    // where a shift extends the sign.
+    static constexpr DirectionBytes kTable;
+    using D8 = hn::Repartition<std::uint8_t, Integers<DF>>;
+    const auto top = hn::BitCast(D8(), hn::ShiftLeft<24>(index));
+    const auto look_up = [&](const std::uint8_t* table) {
+      if constexpr (hn::MaxLanes(D8()) >= 16)
+        return hn::TableLookupBytes(hn::LoadDup128(D8(), table), top);
+      else
+        return hn::TableLookupBytes(hn::LoadU(hn::Full128<std::uint8_t>(), table), top);
+    };
+    for (int a = 0; a < 3; ++a)
+      e[a] = from_integers(DF(),
+                           hn::ShiftRight<24>(hn::BitCast(Integers<DF>(), look_up(kTable.of[a]))));
+#endif
+  }
 
   // Perlin's interpolation between the corners of a cell that t is in, the gradient at a corner
   // being corner(c) as three vectors: value and derivatives with respect to t.
@@ -395,56 +446,87 @@ class Machine {
     store(hn::Mul(set(c[4]), n.value), reg(in.out) + i);
   }
 
-  // Three signed bytes, lowest first.
-  static void unpack(VI packed, V (&e)[3]) {
-    constexpr int kTop = sizeof(T) * 8 - 8;
-    e[0] = hn::ConvertTo(D(), hn::ShiftRight<kTop>(hn::ShiftLeft<kTop>(packed)));
-    e[1] = hn::ConvertTo(D(), hn::ShiftRight<kTop>(hn::ShiftLeft<kTop - 8>(packed)));
-    e[2] = hn::ConvertTo(D(), hn::ShiftRight<kTop>(hn::ShiftLeft<kTop - 16>(packed)));
-  }
-
   void perlin(const TapeInstruction& in, const T* c) const {
+    if (points_ == 1) return perlin_across_lanes(in, c);
     const std::int32_t* w = tape_.words.data() + in.words;
     const std::int32_t* table = w + 3;
-    const std::int32_t dy = w[0] + 1, dz = dy * (w[1] + 1);
+    const std::int32_t stride[3] = {1, w[0], w[0] * w[1]};
     const bool single = w[0] == 1 && w[1] == 1 && w[2] == 1;
     for_vectors([&](std::size_t i) {
-      V t[3];
-      VI index = hn::Zero(DI());
-      const std::int32_t stride[3] = {1, dy, dz};
+      V t[3], place = hn::Zero(D());
       for (int a = 0; a < 3; ++a) {
         t[a] = hn::MulAdd(set(c[0]), coordinate(in, a, i), set(c[1 + a]));
         if (w[a] == 1) continue;
         const V cell = hn::Min(hn::Max(hn::Floor(t[a]), hn::Zero(D())), set(T(w[a] - 1)));
         t[a] = hn::Sub(t[a], cell);
-        index = hn::Add(index, hn::ConvertTo(DI(), hn::Mul(cell, set(T(stride[a])))));
+        place = hn::MulAdd(cell, set(T(stride[a])), place);
       }
-      const auto corner_place = [&](int n) {
-        return (n & 1) + ((n >> 1) & 1) * dy + (n >> 2) * dz;
-      };
       if (single) {
-        store_perlin(in, c, i, perlin_cell(t, [&](int n, V(&e)[3]) {
-                       const auto p = static_cast<std::uint32_t>(table[corner_place(n)]);
-                       for (int a = 0; a < 3; ++a)
-                         e[a] = set(static_cast<T>(static_cast<std::int8_t>(p >> (8 * a))));
-                     }));
+        const auto corner = [&](int n, V(&e)[3]) {
+          const double* g = kPerlinDirection[corner_of(table[0], n)];
+          for (int a = 0; a < 3; ++a) e[a] = set(static_cast<T>(g[a]));
+        };
+        store_perlin(in, c, i, perlin_cell(t, corner));
         return;
       }
-      store_perlin(in, c, i, perlin_cell(t, [&](int n, V(&e)[3]) {
-                     unpack(gather(table + corner_place(n), index), e);
-                   }));
+      VI corners = hn::GatherIndex(DI(), table, to_integers(D(), place));
+      const auto corner = [&](int, V(&e)[3]) {  // asked for in order
+        directions(D(), hn::And(corners, hn::Set(DI(), 15)), e);
+        corners = hn::ShiftRight<4>(corners);
+      };
+      store_perlin(in, c, i, perlin_cell(t, corner));
     });
   }
 
-  static VI gather(const std::int32_t* table, VI index) {
-    if constexpr (sizeof(T) == 4) {
-      return hn::GatherIndex(DI(), table, index);
-    } else {
-      HWY_ALIGN hwy::MakeSigned<T> places[kMostLanes];
-      hn::Store(index, DI(), places);
-      for (std::size_t l = 0; l < hn::Lanes(DI()); ++l) places[l] = table[places[l]];
-      return hn::Load(DI(), places);
+  static unsigned corner_of(std::int32_t cell, int n) {
+    return (static_cast<std::uint32_t>(cell) >> (4 * n)) & 15u;
+  }
+
+  // One point, a corner of its cell in every lane.
+  void perlin_across_lanes(const TapeInstruction& in, const T* c) const {
+    using L = hn::CappedTag<T, 8>;
+    const L d;
+    const std::int32_t* w = tape_.words.data() + in.words;
+    const std::int32_t stride[3] = {1, w[0], w[0] * w[1]};
+    T t[3], fade[3], slope[3];
+    std::int32_t place = 0;
+    for (int a = 0; a < 3; ++a) {
+      t[a] = c[0] * first_coordinate(in, a) + c[1 + a];
+      const auto cell = std::clamp(static_cast<std::int32_t>(t[a]), 0, w[a] - 1);
+      t[a] -= static_cast<T>(cell);
+      place += cell * stride[a];
+      const T rest = t[a] * (T(1) - t[a]);
+      fade[a] = t[a] * t[a] * t[a] * (T(10) + t[a] * (T(-15) + T(6) * t[a]));
+      slope[a] = T(30) * rest * rest;
     }
+    HWY_ALIGN std::int32_t corners[8];
+    for (int n = 0; n < 8; ++n) corners[n] = static_cast<std::int32_t>(corner_of(w[3 + place], n));
+    static constexpr T kBit[3][8] = {
+        {0, 1, 0, 1, 0, 1, 0, 1}, {0, 0, 1, 1, 0, 0, 1, 1}, {0, 0, 0, 0, 1, 1, 1, 1}};
+    using VL = hn::Vec<L>;
+    VL value = hn::Zero(d), g[3] = {value, value, value};
+    for (std::size_t k = 0; k < 8; k += hn::Lanes(d)) {
+      VL e[3], weight[3], change[3], dot = hn::Zero(d);
+      directions(d, hn::LoadU(Integers<L>(), corners + k), e);
+      for (int a = 0; a < 3; ++a) {
+        const VL bit = hn::LoadU(d, kBit[a] + k);
+        dot = hn::MulAdd(e[a], hn::Sub(hn::Set(d, t[a]), bit), dot);
+        weight[a] = hn::MulAdd(hn::Set(d, T(2) * fade[a] - T(1)), bit, hn::Set(d, T(1) - fade[a]));
+        change[a] = hn::MulAdd(hn::Set(d, T(2) * slope[a]), bit, hn::Set(d, -slope[a]));
+      }
+      const VL xy = hn::Mul(weight[0], weight[1]), all = hn::Mul(xy, weight[2]);
+      value = hn::MulAdd(all, dot, value);
+      if constexpr (kGradient) {
+        const VL others[3] = {hn::Mul(weight[1], weight[2]), hn::Mul(weight[0], weight[2]), xy};
+        for (int a = 0; a < 3; ++a)
+          g[a] = hn::MulAdd(all, e[a], hn::MulAdd(hn::Mul(others[a], change[a]), dot, g[a]));
+      }
+    }
+    const auto total = [&](VL v) { return set(hn::GetLane(hn::SumOfLanes(d, v))); };
+    PerlinSums sums{total(value), {set(T(0)), set(T(0)), set(T(0))}};
+    if constexpr (kGradient)
+      for (int a = 0; a < 3; ++a) sums.g[a] = total(g[a]);
+    store_perlin(in, c, 0, sums);
   }
 
   void perlin_hash(const TapeInstruction& in, const T* c) const {
@@ -478,27 +560,10 @@ class Machine {
                   hn::ShiftRight<16>(hn::Mul(hn::And(h, word(0xffffu)), word(kPerlinDirections)));
               const VU direction = hn::ShiftRight<16>(
                   hn::Add(hn::Mul(hn::ShiftRight<16>(h), word(kPerlinDirections)), lower));
-              unpack(hn::GatherIndex(DI(), packed_directions(), hn::BitCast(DI(), direction)), e);
+              directions(D(), hn::BitCast(DI(), direction), e);
             }));
       });
     }
-  }
-
-  static const std::int32_t* packed_directions() {
-    static const struct Table {
-      std::int32_t packed[kPerlinDirections];
-      Table() {
-        for (int n = 0; n < kPerlinDirections; ++n) {
-          std::uint32_t p = 0;
-          for (int a = 0; a < 3; ++a)
-            p |= static_cast<std::uint32_t>(
-                     static_cast<std::uint8_t>(static_cast<std::int8_t>(kPerlinDirection[n][a])))
-                 << (8 * a);
-          packed[n] = static_cast<std::int32_t>(p);
-        }
-      }
-    } table;
-    return table.packed;
   }
 
   void opaque(const TapeInstruction& in) const {

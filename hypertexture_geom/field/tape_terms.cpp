@@ -248,17 +248,16 @@ TapeValue TapeBuilder::perlin(double amplitude, double frequency, const PerlinLa
   constants_.push_back(amplitude);
   if (table) {
     for (const std::int64_t c : cells) words_.push_back(static_cast<std::int32_t>(c));
-    for (std::int64_t k = 0; k <= cells[2]; ++k)
-      for (std::int64_t j = 0; j <= cells[1]; ++j)
-        for (std::int64_t i = 0; i <= cells[0]; ++i) {
-          const double* g =
-              kPerlinDirection[lattice.direction(first[0] + i, first[1] + j, first[2] + k)];
-          std::uint32_t packed = 0;
-          for (int a = 0; a < 3; ++a)
-            packed |= static_cast<std::uint32_t>(
-                          static_cast<std::uint8_t>(static_cast<std::int8_t>(g[a])))
-                      << (8 * a);
-          words_.push_back(static_cast<std::int32_t>(packed));
+    for (std::int64_t k = 0; k < cells[2]; ++k)
+      for (std::int64_t j = 0; j < cells[1]; ++j)
+        for (std::int64_t i = 0; i < cells[0]; ++i) {
+          std::uint32_t corners = 0;
+          for (int n = 0; n < 8; ++n)
+            corners |=
+                static_cast<std::uint32_t>(lattice.direction(
+                    first[0] + i + (n & 1), first[1] + j + ((n >> 1) & 1), first[2] + k + (n >> 2)))
+                << (4 * n);
+          words_.push_back(static_cast<std::int32_t>(corners));
         }
   } else {
     for (const std::int64_t c : first)

@@ -16,7 +16,7 @@
 
 #include "renderer/camera/camera.h"
 #include "renderer/film/matte_names.h"
-#include "renderer/image/replacing_file.h"
+#include "topology/replacing_file.h"
 
 namespace morsel::render {
 namespace {
@@ -129,7 +129,7 @@ void write_exr(const std::filesystem::path& path, const Scene& scene, const Rend
   const Crop& window = film.window();
   const auto width = static_cast<std::size_t>(film.width());
   const auto height = static_cast<std::size_t>(film.height());
-  ReplacingFile file(path);
+  topology::ReplacingFile file(path);
   try {
     const std::vector<Channel> channels = channels_of(scene, film);
     const Imf::Header header = make_header(scene, result, channels);

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/image/png.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
-#include "renderer/image/replacing_file.h"
 #include "renderer/image/tone_map.h"
+#include "topology/replacing_file.h"
 
 namespace morsel::render {
 namespace {
@@ -31,20 +35,28 @@ void write_png(const std::filesystem::path& path, const Film& film, float exposu
       bytes.insert(bytes.end(), {to_byte(c.x), to_byte(c.y), to_byte(c.z), to_byte(alpha)});
     }
 
-  ReplacingFile file(path);
   const auto fail = [&](const std::string& why) {
     throw std::runtime_error(fmt::format("{}: cannot write: {}", path.string(), why));
   };
-  // The format is asked for by name: the path may have any extension.
+  // The format is asked for by name: the path may have any extension. Encoded in memory, because
+  // OpenImageIO's writer reports no error when the disk is full.
   const auto output = OIIO::ImageOutput::create("png");
   if (!output) fail(OIIO::geterror());
   OIIO::ImageSpec spec(film.width(), film.height(), 4, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("Software", "Morsel " MORSEL_VERSION);
-  if (!output->open(file.temporary_path().string(), spec)) fail(output->geterror());
+  OIIO::Filesystem::IOVecOutput encoded;
+  if (!output->set_ioproxy(&encoded) || !output->open("png", spec)) fail(output->geterror());
   if (!output->write_image(OIIO::TypeDesc::UINT8, bytes.data())) fail(output->geterror());
   if (!output->close()) fail(output->geterror());
+
+  topology::ReplacingFile file(path);
+  std::ofstream stream(file.temporary_path(), std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(encoded.buffer().data()),
+               static_cast<std::streamsize>(encoded.buffer().size()));
+  stream.close();
+  if (!stream) fail(std::strerror(errno));
   file.commit();
 }
 

@@ -10,6 +10,7 @@
 
 #include "renderer/mesh/model_readers.h"
 #include "renderer/mesh/normals.h"
+#include "renderer/mesh/obj_numbers.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -79,6 +80,7 @@ std::string check_file(const fs::path& file) {
   if (std::find(known.begin(), known.end(), extension) == known.end())
     throw MeshError(fmt::format("{}: not a mesh format that can be read; extensions: {}",
                                 file.string(), fmt::join(known, ", ")));
+  if (extension == ".obj") check_obj_numbers(file);
   return extension;
 }
 

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 
 #include "renderer/image/exr.h"
 #include "renderer/image/png.h"
-#include "renderer/image/replacing_file.h"
 #include "renderer/image/tone_map.h"
 #include "tests/renderer/test_scenes.h"
+#include "topology/replacing_file.h"
 
 namespace morsel::render {
 namespace {
@@ -147,6 +150,45 @@ TEST_F(Images, FailuresNameTheFileAndLeaveNothing) {
   EXPECT_EQ(files(), 1);  // the folder
 }
 
+// A disk that fills up while the picture is written (here: a limit of the size of files).
+TEST_F(Images, AFullDiskLeavesTheOldPicture) {
+  const RenderResult result = render(scene_);
+  const fs::path png = directory_ / "image.png", exr = directory_ / "image.exr";
+  write_png(png, result.film, 0.0f);
+  write_exr(exr, scene_, result);
+  const auto sizes = std::pair(fs::file_size(png), fs::file_size(exr));
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{200, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(write_png(png, result.film, 0.0f), std::runtime_error);
+  EXPECT_THROW(write_exr(exr, scene_, result), std::runtime_error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(std::pair(fs::file_size(png), fs::file_size(exr)), sizes);
+  EXPECT_EQ(files(), 2);
+}
+
+// Renaming over a device or a pipe would destroy it.
+TEST_F(Images, OnlyRegularFilesAreReplaced) {
+  const fs::path pipe = directory_ / "pipe.png";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(topology::require_replaceable(pipe), std::runtime_error);
+  EXPECT_THROW(write_png(pipe, render(scene_).film, 0.0f), std::runtime_error);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_THROW(topology::require_replaceable("/dev/null"), std::runtime_error);
+
+  // A link stays one; what it points to is replaced.
+  const fs::path target = directory_ / "target.png", link = directory_ / "link.png";
+  std::ofstream(target) << "old";
+  fs::create_symlink("target.png", link);
+  write_png(link, render(scene_).film, 0.0f);
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_GT(fs::file_size(target), 3u);
+  EXPECT_EQ(files(), 3);
+}
+
 TEST_F(Images, ReplacingFileKeepsTheOldOneUntilCommit) {
   const fs::path path = directory_ / "data.txt";
   const auto write = [](const fs::path& p, const char* text) { std::ofstream(p) << text; };
@@ -157,14 +199,14 @@ TEST_F(Images, ReplacingFileKeepsTheOldOneUntilCommit) {
   };
   write(path, "old");
   {
-    ReplacingFile file(path);
+    topology::ReplacingFile file(path);
     write(file.temporary_path(), "lost");
     EXPECT_EQ(file.temporary_path().parent_path(), path.parent_path());
   }
   EXPECT_EQ(read(), "old");
   EXPECT_EQ(files(), 1);
   {
-    ReplacingFile file(path);
+    topology::ReplacingFile file(path);
     write(file.temporary_path(), "new");
     file.commit();
   }

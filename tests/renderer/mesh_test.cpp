@@ -153,12 +153,31 @@ TEST(Mesh, BrokenFilesAreNamed) {
   expect_error(folder.write("a.obj", "this is no mesh\n"), "");
   expect_error(folder.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), "");
   expect_error(folder.write("range.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n"), "");
-  expect_error(folder.write("nan.obj", "v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "");
+  expect_error(folder.write("nan.obj", "v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+               "line 1: \"nan\"");
   expect_error(folder.write("empty.ply", ""), "");
   expect_error(folder.write("short.ply", std::string(kPlyHeader)), "");
   expect_error(folder.write("range.ply", std::string(kPlyHeader) + "3 0 1 2\n3 0 2 9\n"), "");
   expect_error(folder.write("a.gltf", "{"), "");
   expect_error(folder.write("a.glb", "glTFxxxxxxxxxxxxxxxxxxxx"), "");
+}
+
+TEST(Mesh, NumbersOfAnObjFileAreChecked) {
+  const TemporaryFolder folder;
+  const std::string rest = "v 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  // Assimp alone reads the first of these as another triangle.
+  for (const auto& [line, word] : {std::pair{"v 1 0 nan", "nan"},
+                                   {"v 0 0 inf", "inf"},
+                                   {"v 0 0 1e999", "1e999"},
+                                   {"v 0 0 1x", "1x"},
+                                   {"vn 0 NaN 1\nv 0 0 0", "NaN"},
+                                   {"vt - 0\nv 0 0 0", "-"}})
+    expect_error(folder.write("bad.obj", "# made by hand\n" + std::string(line) + "\n" + rest),
+                 "line 2: \"" + std::string(word) + "\" is not a finite number");
+  for (const char* line : {"v +0 0 1e-999\r", "v 0 \\\n 0 0", "v 0 0 0 1", "v 0 0 0 0.5 0.5 0.5"})
+    EXPECT_EQ(load_mesh(folder.write("good.obj", std::string(line) + "\n" + rest)).triangles.size(),
+              1u)
+        << line;
 }
 
 TEST(Mesh, ValidationFindsWhatReadersLeave) {

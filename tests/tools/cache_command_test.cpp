@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <chrono>
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "command_scene.h"
 #include "run_command.h"
@@ -41,6 +45,31 @@ TEST_F(CacheCommandTest, BuildsOnlyWhatIsMissingOrStale) {
   const CommandResult other =
       build({"-o", cache_, "--set", "geometries.rock.field.modulations.0.seed=4"});
   EXPECT_NE(other.out.find("built, was stale"), std::string::npos) << other.out;
+}
+
+TEST_F(CacheCommandTest, InterruptInTheMiddleExitsWith130AndLeavesNothing) {
+  const std::string scene = MORSEL_SOURCE_DIR "/scenes/figures/table1_l3.json";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    CommandOptions options;
+    options.then = [signal](int pid, const std::filesystem::path& err) {
+      for (int i = 0; i < 600 && read_text(err).find("labelling") == std::string::npos; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      ::kill(pid, signal);
+    };
+    const CommandResult result =
+        run_morsel({"cache", "build", scene, "-o", cache_, "--threads", "2"}, options);
+    EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_EQ(folder_.count_files(), 1u);  // the scene
+  }
+}
+
+TEST_F(CacheCommandTest, OutputsThatAreNoFilesAreRefused) {
+  ASSERT_EQ(::mkfifo(cache_.c_str(), 0600), 0);
+  const CommandResult result = build({"-o", cache_, "--force"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.err.find(cache_), std::string::npos) << result.err;
+  EXPECT_TRUE(std::filesystem::is_fifo(cache_));
 }
 
 TEST_F(CacheCommandTest, MaxDepthChangesTheFingerprint) {

@@ -5,7 +5,11 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cmath>
+#include <functional>
+#include <memory>
+#include <new>
 #include <numbers>
 
 #include "tests/hypertexture_geom/test_fields.h"
@@ -178,6 +182,53 @@ TEST(Certified, ReportsSolidThatTheBoxCuts) {
   const Topology t = certify_in(*field, Box(Imath::V3d(-2.0), Imath::V3d(2.0, 2.0, 0.5)));
   ASSERT_TRUE(t.touches_box.has_value());
   EXPECT_DOUBLE_EQ(t.touches_box->z, 0.5);
+}
+
+// A field that calls `after` when its models, and those of all its restrictions, have been asked
+// for `count` times.
+class Counted final : public ScalarField {
+ public:
+  struct Trigger {
+    std::atomic<int> count;
+    std::function<void()> after;
+  };
+  Counted(std::shared_ptr<const ScalarField> field, Trigger& trigger)
+      : field_(std::move(field)), trigger_(&trigger) {}
+  double value(const Imath::V3d& x) const override { return field_->value(x); }
+  Jet jet(const Imath::V3d& x) const override { return field_->jet(x); }
+  LocalModel model(const Box& box) const override {
+    if (--trigger_->count == 0) trigger_->after();
+    return field_->model(box);
+  }
+  std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
+    return std::make_unique<Counted>(field_->restricted_to(box), *trigger_);
+  }
+
+ private:
+  std::shared_ptr<const ScalarField> field_;
+  Trigger* trigger_;
+};
+
+// At any moment of the work, while several threads are at it: the exception arrives, and nothing
+// else happens. (Loops nested in a cancelled one return as if they had run.)
+TEST(Certified, EndsCleanlyInTheMiddleOfTheWork) {
+  const std::shared_ptr<const ScalarField> field =
+      geom::testing::field_of(geom::testing::eq13_json(1, 3));
+  CertifyOptions options;
+  options.box = cube(3.0);
+  tbb::task_arena arena(4);
+  for (const int count : {1, 2, 10, 100, 1000, 5000, 20000, 50000}) {
+    std::atomic<bool> cancel{false};
+    Execution execution;
+    execution.cancel = &cancel;
+    Counted::Trigger stop{count, [&] { cancel = true; }};
+    arena.execute([&] {
+      EXPECT_THROW(certify(Counted(field, stop), options, execution), Cancelled) << count;
+    });
+    Counted::Trigger fail{count, [] { throw std::bad_alloc(); }};
+    arena.execute(
+        [&] { EXPECT_THROW(certify(Counted(field, fail), options), std::bad_alloc) << count; });
+  }
 }
 
 TEST(Certified, CancelsAndRefusesBadOptions) {

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
+
+#include "command_scene.h"
+#include "renderer/mesh/mesh_file.h"
+#include "run_command.h"
+
+namespace morsel::test {
+namespace {
+
+using nlohmann::json;
+
+class MeshCommandTest : public ::testing::Test {
+ protected:
+  CommandResult mesh(const std::string& scene, std::vector<std::string> more) {
+    std::vector<std::string> arguments{"mesh", scene};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_morsel(arguments);
+  }
+
+  TemporaryFolder folder_;
+  std::string ball_ = folder_.write("ball.json", kBallScene).string();
+  std::string rock_ = folder_.write("rock.json", kCommandScene).string();
+  std::string ply_ = (folder_ / "out.ply").string();
+  std::string glb_ = (folder_ / "out.glb").string();
+};
+
+TEST_F(MeshCommandTest, BallAsPly) {
+  const CommandResult result =
+      mesh(ball_, {"--geometry", "ball", "--error", "0.001", "-o", ply_, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json info = json::parse(result.out);
+  EXPECT_EQ(info["certified"], true);
+  EXPECT_LE(info["error_bound"], 0.001);
+  ASSERT_EQ(info["components"].size(), 1u);
+  EXPECT_EQ(info["components"][0]["euler_characteristic"], 2);
+
+  // Byte by byte, as the header says.
+  std::ifstream in(ply_, std::ios::binary);
+  std::stringstream all;
+  all << in.rdbuf();
+  const std::string text = all.str(), end = "end_header\n";
+  const std::size_t data = text.find(end) + end.size();
+  const std::size_t vertices = info["vertices"], triangles = info["triangles"];
+  EXPECT_NE(text.find("element vertex " + std::to_string(vertices) + "\n"), std::string::npos);
+  ASSERT_EQ(text.size(), data + 28 * vertices + 13 * triangles);
+  for (std::size_t i = 0; i < vertices; ++i) {
+    float x[6];
+    std::uint32_t component;
+    std::memcpy(x, text.data() + data + 28 * i, 24);
+    std::memcpy(&component, text.data() + data + 28 * i + 24, 4);
+    const float r = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    ASSERT_NEAR(r, std::sqrt(1.0 - 1e-4), 1e-3);
+    for (int k = 0; k < 3; ++k) ASSERT_NEAR(x[3 + k], x[k] / r, 1e-5);
+    ASSERT_EQ(component, 0u);
+  }
+  // And by a reader that others use.
+  const render::TriangleMesh read = render::load_mesh(ply_);
+  EXPECT_EQ(read.triangles.size(), triangles);
+}
+
+TEST_F(MeshCommandTest, PlyAndGlbHoldTheSame) {
+  for (const std::string& file : {ply_, glb_}) {
+    const CommandResult result = mesh(rock_, {"--error", "0.03", "--keep", "all", "-o", file});
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.out.find("topology certified"), std::string::npos) << result.out;
+  }
+  const render::TriangleMesh ply = render::load_mesh(ply_), glb = render::load_mesh(glb_);
+  ASSERT_EQ(ply.triangles.size(), glb.triangles.size());
+  ASSERT_EQ(ply.normals.size(), ply.positions.size());
+  ASSERT_EQ(glb.normals.size(), glb.positions.size());
+  for (std::size_t i = 0; i < ply.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      ASSERT_EQ(ply.positions[static_cast<std::size_t>(ply.triangles[i][k])],
+                glb.positions[static_cast<std::size_t>(glb.triangles[i][k])]);
+  // The components are there, as the table has them.
+  std::ifstream in(glb_, std::ios::binary);
+  std::stringstream all;
+  all << in.rdbuf();
+  EXPECT_NE(all.str().find("_COMPONENT"), std::string::npos);
+}
+
+TEST_F(MeshCommandTest, KeepsWhatTheSceneKeepsUnlessToldOtherwise) {
+  const auto components = [&](std::vector<std::string> more) {
+    for (const char* a : {"--error", "0.05", "-o"}) more.emplace_back(a);
+    more.push_back(ply_);
+    more.emplace_back("--json");
+    const CommandResult result = mesh(rock_, more);
+    EXPECT_EQ(result.code, 0) << result.err;
+    std::vector<int> ids;
+    const json info = json::parse(result.out);
+    for (const json& c : info["components"]) ids.push_back(c["component"]);
+    return ids;
+  };
+  const std::vector<int> all = components({"--keep", "all"});
+  ASSERT_GT(all.size(), 1u);
+  EXPECT_EQ(components({}), std::vector<int>{0});
+  EXPECT_EQ(components({"--set", "geometries.rock.keep=ids:1"}), std::vector<int>{1});
+  EXPECT_EQ(components({"--keep", "detached"}).size(), all.size() - 1);
+}
+
+// Far from the origin floats are too coarse for the error.
+TEST_F(MeshCommandTest, FarFromTheOrigin) {
+  const std::vector<std::string> far = {
+      "--set",   "geometries.ball.field.density.center=[100000,0,0]",
+      "--set",   "geometries.ball.bounds={\"min\":[99998.5,-1.5,-1.5],\"max\":[100001.5,1.5,1.5]}",
+      "--error", "0.001"};
+  for (const std::string& file : {ply_, glb_}) {
+    std::vector<std::string> arguments = far;
+    arguments.emplace_back("-o");
+    arguments.push_back(file);
+    const CommandResult result = mesh(ball_, arguments);
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  std::ifstream in(ply_, std::ios::binary);
+  std::stringstream all;
+  all << in.rdbuf();
+  EXPECT_NE(all.str().find("property double x"), std::string::npos);
+  std::ifstream glb(glb_, std::ios::binary);
+  std::stringstream text;
+  text << glb.rdbuf();
+  EXPECT_NE(text.str().find("translation"), std::string::npos);
+}
+
+TEST_F(MeshCommandTest, WrongUsageNamesWhatIsWrong) {
+  const auto fails = [&](const std::string& scene, std::vector<std::string> more, int code,
+                         const std::string& part) {
+    const CommandResult result = mesh(scene, more);
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+    EXPECT_EQ(result.out, "");
+  };
+  fails(ball_, {"-o", ply_}, 2, "--error");
+  fails(ball_, {"--error", "0", "-o", ply_}, 2, "--error");
+  fails(ball_, {"--error", "0.01", "-o", "mesh.obj"}, 2, ".ply or .glb");
+  fails(ball_, {"--error", "0.01", "-o", ply_, "--keep", "most"}, 2, "most");
+  fails(ball_, {"--error", "0.01", "-o", ply_, "--geometry", "cube"}, 2, "ball");
+  fails(ball_, {"--error", "0.01", "-o", "/nowhere/out.ply"}, 1, "/nowhere/out.ply");
+  // A solid that its box cuts has no closed surface: the place is named and nothing is written.
+  fails(ball_,
+        {"--error", "0.01", "-o", ply_, "--set",
+         "geometries.ball.bounds={\"min\":[-1.5,-1.5,-1.5],\"max\":[1.5,1.5,0.5]}"},
+        1, "bounds");
+  EXPECT_FALSE(std::filesystem::exists(ply_));
+}
+
+TEST_F(MeshCommandTest, WhatIsNotMetIsReported) {
+  const CommandResult result =
+      mesh(ball_, {"--error", "0.00001", "--max-depth", "4", "-o", ply_, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("depth limit"), std::string::npos) << result.err;
+  const json info = json::parse(result.out);
+  EXPECT_GT(info["unresolved_cells"], 0);
+  EXPECT_FALSE(info["unresolved"].empty());
+}
+
+}  // namespace
+}  // namespace morsel::test

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topology/mesh/mesh.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "renderer/scene/cache_store.h"
+#include "renderer/scene/scene_json.h"
+#include "tools/commands.h"
+#include "tools/mesh_file.h"
+#include "tools/output_file.h"
+#include "tools/reporter.h"
+#include "tools/scene_options.h"
+
+namespace morsel::tools {
+namespace {
+
+struct Options {
+  SceneOptions scene;
+  ReportingOptions reporting;
+  std::string geometry;
+  std::string output;
+  std::string keep;  // empty: as the scene says
+  topology::MeshOptions mesh;
+  int threads = 0;
+  bool json = false;
+};
+
+nlohmann::json describe_component(const topology::MeshComponent& c) {
+  return {{"component", c.component},
+          {"vertices", c.vertices},
+          {"triangles", c.triangles},
+          {"surfaces", c.surfaces},
+          {"area", c.area},
+          {"volume", c.volume},
+          {"euler_characteristic", c.euler_characteristic}};
+}
+
+nlohmann::json describe_unresolved(const topology::Unresolved& u) {
+  const Imath::V3d at = topology::centre(u.box), size = u.box.max - u.box.min;
+  return {{"centre", {at.x, at.y, at.z}}, {"size", {size.x, size.y, size.z}}, {"value", u.value}};
+}
+
+void report(const Options& options, const geom::Hypertexture& hypertexture, const std::string& keep,
+            const topology::Mesh& mesh, double seconds, Reporter& reporter) {
+  const std::vector<topology::MeshComponent> parts = topology::mesh_components(mesh);
+  if (mesh.unresolved_cells > 0) {
+    const Imath::V3d at = topology::centre(mesh.unresolved[0].box);
+    reporter.warn(fmt::format(
+        "{} cells at the depth limit: {}; one is at ({:.6g}, {:.6g}, {:.6g})",
+        mesh.unresolved_cells,
+        mesh.certified ? "the error is not met there" : "the topology is not certified there", at.x,
+        at.y, at.z));
+  }
+  if (options.json) {
+    nlohmann::json result = {{"file", options.output},
+                             {"geometry", hypertexture.name},
+                             {"keep", keep},
+                             {"error", options.mesh.error},
+                             {"error_bound", mesh.error_bound},
+                             {"certified", mesh.certified},
+                             {"unresolved_cells", mesh.unresolved_cells},
+                             {"vertices", mesh.positions.size()},
+                             {"triangles", mesh.triangles.size()},
+                             {"cells", mesh.cells},
+                             {"depth", mesh.depth},
+                             {"seconds", seconds},
+                             {"bytes", std::filesystem::file_size(options.output)}};
+    result["components"] = nlohmann::json::array();
+    for (const auto& part : parts) result["components"].push_back(describe_component(part));
+    result["unresolved"] = nlohmann::json::array();
+    for (const auto& u : mesh.unresolved) result["unresolved"].push_back(describe_unresolved(u));
+    std::cout << result.dump(2) << '\n';
+    return;
+  }
+  std::cout << fmt::format(
+      "{}: {} triangles, {} vertices, {} component{} of {}, within {:.3g} of the surface, {}, "
+      "{:.2f} s\n",
+      options.output, mesh.triangles.size(), mesh.positions.size(), parts.size(),
+      parts.size() == 1 ? "" : "s", hypertexture.name, mesh.error_bound,
+      mesh.certified ? "topology certified" : "topology NOT certified", seconds);
+  constexpr std::size_t kShown = 10;
+  for (std::size_t i = 0; i < std::min(parts.size(), kShown); ++i)
+    std::cout << fmt::format(
+        "  component {}: {} closed surface{}, Euler characteristic {}, area {:.6g}, volume "
+        "{:.6g}\n",
+        parts[i].component, parts[i].surfaces, parts[i].surfaces == 1 ? "" : "s",
+        parts[i].euler_characteristic, parts[i].area, parts[i].volume);
+  if (parts.size() > kShown)
+    std::cout << fmt::format("  and {} more (--json lists all)\n", parts.size() - kShown);
+}
+
+int run(const Options& options, const Session& session) {
+  const std::string extension = std::filesystem::path(options.output).extension().string();
+  if (extension != ".ply" && extension != ".glb")
+    throw UsageError(fmt::format("-o {}: must end in .ply or .glb", options.output));
+  const render::SceneDocument document(options.scene.scene, options.scene.overrides());
+  const geom::Hypertexture hypertexture =
+      render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+  topology::KeepRule keep = hypertexture.keep;
+  if (!options.keep.empty()) {
+    try {
+      keep = topology::KeepRule::parse(options.keep);
+    } catch (const std::invalid_argument& e) {
+      throw UsageError(fmt::format("--keep {}: {}", options.keep, e.what()));
+    }
+  }
+  const auto threads = limit_threads(options.threads);
+  Reporter reporter(options.reporting);
+  OutputFile file(options.output);
+
+  topology::Execution execution;
+  execution.cancel = session.cancel;
+  execution.progress = [&](double fraction, const char* phase) {
+    reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
+  };
+  const auto cache = render::CacheStore(document).get(
+      hypertexture, execution, [&](const std::string& message) { reporter.warn(message); });
+  const topology::Topology& t = cache.cache->topology;
+  const auto start = std::chrono::steady_clock::now();
+  const topology::Mesh mesh = topology::extract_mesh(
+      *hypertexture.field, t.octree(), topology::kept_components(keep, t.components, t.octree()),
+      options.mesh, execution);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  if (extension == ".ply")
+    write_ply(file.stream(), mesh, options.mesh.error);
+  else
+    write_glb(file.stream(), mesh, options.mesh.error);
+  file.commit();
+  report(options, hypertexture, keep.to_string(), mesh, seconds.count(), reporter);
+  return kDone;
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& parent, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = parent.add_subcommand(
+      "mesh", "Write a closed triangle mesh of what is kept of a hypertexture geometry");
+  add_scene_options(*command, options->scene);
+  command->add_option("--geometry", options->geometry,
+                      "Hypertexture geometry; may be left out if there is only one");
+  command
+      ->add_option("--error", options->mesh.error,
+                   "Largest distance of the mesh from the surface, in object-space lengths")
+      ->required()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--keep", options->keep,
+                      "Components to mesh instead of those that the scene keeps: main, largest:K, "
+                      "volume:V, touching:X,Y,Z, all, detached, ids:I,J,...");
+  command
+      ->add_option("--max-depth", options->mesh.max_depth,
+                   "Level of the octree below which cells are not subdivided")
+      ->check(CLI::Range(1, topology::kMaxDepth))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "File to write: .ply or .glb")->required();
+  command->add_flag("--json", options->json, "Print one JSON document");
+  add_threads_option(*command, options->threads);
+  add_reporting_options(*command, options->reporting);
+  command->callback([options, &session] {
+    session.run = [options, &session] { return run(*options, session); };
+  });
+}
+
+}  // namespace morsel::tools

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/mesh_file.h"
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace morsel::tools {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+template <class T>
+void append(Bytes& bytes, T value) {
+  const std::size_t at = bytes.size();
+  bytes.resize(at + sizeof(T));
+  std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+
+Imath::Box3d bounds_of(const topology::Mesh& mesh) {
+  Imath::Box3d box;
+  for (const Imath::V3d& p : mesh.positions) box.extendBy(p);
+  return box;
+}
+
+// Whether floats are good enough for coordinates of this size.
+bool float_suffices(const Imath::Box3d& box, double error) {
+  if (box.isEmpty()) return true;
+  double reach = 0.0;
+  for (int i = 0; i < 3; ++i) reach = std::max({reach, std::abs(box.min[i]), std::abs(box.max[i])});
+  return reach * std::numeric_limits<float>::epsilon() <= 0.01 * error;
+}
+
+void write(std::ostream& out, const Bytes& bytes) {
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
+}
+
+// A part of the binary buffer, seen as `count` elements.
+int add_accessor(tinygltf::Model& model, const Bytes& bytes, std::size_t count, int target,
+                 int component_type, int type) {
+  tinygltf::BufferView view;
+  view.buffer = 0;
+  view.byteOffset = model.buffers[0].data.size();
+  view.byteLength = bytes.size();
+  view.target = target;
+  model.buffers[0].data.insert(model.buffers[0].data.end(), bytes.begin(), bytes.end());
+  model.bufferViews.push_back(view);
+  tinygltf::Accessor accessor;
+  accessor.bufferView = static_cast<int>(model.bufferViews.size()) - 1;
+  accessor.componentType = component_type;
+  accessor.count = count;
+  accessor.type = type;
+  model.accessors.push_back(accessor);
+  return static_cast<int>(model.accessors.size()) - 1;
+}
+
+}  // namespace
+
+void write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
+  const bool as_float = float_suffices(bounds_of(mesh), error);
+  const char* real = as_float ? "float" : "double";
+  out << fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment counter-clockwise from outside; component: id "
+      "in the table of components\nelement vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\n"
+      "property float nx\nproperty float ny\nproperty float nz\nproperty uint component\n"
+      "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+      mesh.positions.size(), real, real, real, mesh.triangles.size());
+  constexpr std::size_t kFlush = 1 << 20;
+  Bytes bytes;
+  const auto flush = [&](std::size_t limit) {
+    if (bytes.size() < limit) return;
+    write(out, bytes);
+    bytes.clear();
+  };
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (as_float)
+        append(bytes, static_cast<float>(mesh.positions[i][axis]));
+      else
+        append(bytes, mesh.positions[i][axis]);
+    }
+    for (int axis = 0; axis < 3; ++axis) append(bytes, mesh.normals[i][axis]);
+    append(bytes, mesh.components[i]);
+    flush(kFlush);
+  }
+  for (const auto& t : mesh.triangles) {
+    append(bytes, static_cast<unsigned char>(3));
+    for (const std::uint32_t corner : t) append(bytes, corner);
+    flush(kFlush);
+  }
+  flush(0);
+}
+
+void write_glb(std::ostream& out, const topology::Mesh& mesh, double error) {
+  constexpr std::uint64_t kHeader = 4096;  // more than the JSON part takes
+  const std::uint64_t size = kHeader + 28 * std::uint64_t{mesh.positions.size()} +
+                             12 * std::uint64_t{mesh.triangles.size()};
+  if (size > std::numeric_limits<std::uint32_t>::max())
+    throw std::runtime_error(
+        fmt::format("the mesh takes {} bytes, but .glb ends at 4 GiB: write .ply", size));
+
+  const Imath::Box3d box = bounds_of(mesh);
+  const bool moved = !float_suffices(box, error);
+  Imath::V3d origin(0.0);
+  if (moved)
+    for (int i = 0; i < 3; ++i) origin[i] = std::round(0.5 * (box.min[i] + box.max[i]));
+  Bytes positions, normals, components, indices;
+  std::vector<double> low(3, std::numeric_limits<double>::infinity()), high(3, -low[0]);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto x = static_cast<float>(mesh.positions[i][axis] - origin[axis]);
+      append(positions, x);
+      const auto a = static_cast<std::size_t>(axis);
+      low[a] = std::min(low[a], double{x});
+      high[a] = std::max(high[a], double{x});
+      append(normals, mesh.normals[i][axis]);
+    }
+    append(components, static_cast<float>(mesh.components[i]));
+  }
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t corner : t) append(indices, corner);
+
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = "morsel";
+  tinygltf::Scene scene;
+  if (!mesh.triangles.empty()) {
+    model.buffers.resize(1);
+    const std::size_t vertices = mesh.positions.size();
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    const int position = add_accessor(model, positions, vertices, TINYGLTF_TARGET_ARRAY_BUFFER,
+                                      TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+    model.accessors[static_cast<std::size_t>(position)].minValues = low;
+    model.accessors[static_cast<std::size_t>(position)].maxValues = high;
+    primitive.attributes["POSITION"] = position;
+    primitive.attributes["NORMAL"] =
+        add_accessor(model, normals, vertices, TINYGLTF_TARGET_ARRAY_BUFFER,
+                     TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+    primitive.attributes["_COMPONENT"] =
+        add_accessor(model, components, vertices, TINYGLTF_TARGET_ARRAY_BUFFER,
+                     TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR);
+    primitive.indices = add_accessor(model, indices, 3 * mesh.triangles.size(),
+                                     TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER,
+                                     TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR);
+    tinygltf::Mesh gltf_mesh;
+    gltf_mesh.primitives.push_back(primitive);
+    model.meshes.push_back(gltf_mesh);
+    tinygltf::Node node;
+    node.mesh = 0;
+    if (moved) node.translation = {origin.x, origin.y, origin.z};
+    model.nodes.push_back(node);
+    scene.nodes.push_back(0);
+  }
+  model.scenes.push_back(scene);
+  model.defaultScene = 0;
+  tinygltf::TinyGLTF writer;
+  if (!writer.WriteGltfSceneToStream(&model, out, false, true))
+    throw std::runtime_error("the glTF library could not write the mesh");
+}
+
+}  // namespace morsel::tools

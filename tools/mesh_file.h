@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <iosfwd>
+
+#include "topology/mesh/mesh.h"
+
+namespace morsel::tools {
+
+// Both formats hold per vertex: position, normal, component (its id in the table of components).
+// `error` is the mesh's: positions are stored so that their rounding is at most a hundredth of it.
+
+// Binary little-endian PLY: float (double where float is too coarse) x y z, float nx ny nz, uint
+// component; faces as lists of uint. Throws std::runtime_error when a count exceeds the format's.
+void write_ply(std::ostream& out, const topology::Mesh& mesh, double error);
+
+// Binary glTF 2.0, one primitive: POSITION and NORMAL as float, _COMPONENT as float (glTF allows no
+// 32-bit integers there), indices as uint. Positions are relative to the node's translation, which
+// is zero unless float is too coarse far from the origin. Throws std::runtime_error beyond 4 GiB,
+// the format's limit.
+void write_glb(std::ostream& out, const topology::Mesh& mesh, double error);
+
+}  // namespace morsel::tools

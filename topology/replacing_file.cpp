@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "topology/replacing_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+namespace morsel::topology {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const fs::path& file, const std::string& why) {
+  throw std::runtime_error(fmt::format("{}: cannot write: {}", file.string(), why));
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// Where the bytes go: `file`, or what it links to.
+fs::path followed(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_symlink(file, error)) return file;
+  const fs::path target = fs::weakly_canonical(file, error);
+  return error ? file : target;
+}
+
+// False when the system can't or won't; some file systems have no such operation for folders.
+bool synchronise(const fs::path& path, int flags) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool done = ::fsync(fd) == 0;
+  const int kept = errno;
+  ::close(fd);
+  errno = kept;
+  return done;
+}
+
+}  // namespace
+
+void require_replaceable(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (file.filename().empty() || fs::is_directory(status)) fail(file, "is a folder");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    fail(file, "is no regular file but a device, pipe or socket");
+  const fs::path folder = folder_of(followed(file));
+  if (!fs::is_directory(folder, error)) fail(file, "no folder " + folder.string());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(file, std::strerror(errno));
+}
+
+ReplacingFile::ReplacingFile(const fs::path& file) : named_(file) {
+  require_replaceable(file);
+  target_ = followed(file);
+  static std::atomic<unsigned> serial{0};
+  temporary_ = target_;
+  temporary_.replace_filename(fmt::format(".{}.{}.{}{}", target_.stem().string(), ::getpid(),
+                                          serial++, target_.extension().string()));
+}
+
+ReplacingFile::~ReplacingFile() {
+  std::error_code ignored;
+  if (!committed_) fs::remove(temporary_, ignored);
+}
+
+void ReplacingFile::commit() {
+  if (!synchronise(temporary_, O_WRONLY)) fail(named_, std::strerror(errno));
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error) fail(named_, error.message());
+  committed_ = true;
+  synchronise(folder_of(target_), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace morsel::topology
