@@ -99,6 +99,8 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
   Impl::Image added;
   added.options.swrap = wrap_of(image.wrap_u);
   added.options.twrap = wrap_of(image.wrap_v);
+  // Cubic B-splines, the default where texels are larger than pixels, would blur them.
+  added.options.interpmode = OIIO::TextureOpt::InterpBilinear;
   if (!image.data && image.file.find(kUdim) != std::string::npos) {
     added.options.swrap = added.options.twrap = OIIO::TextureOpt::WrapClamp;
     for (const auto& [number, file] : udim_tiles(image.file)) {

@@ -225,7 +225,7 @@ TEST_F(ModelTest, PlacementMovesEverythingAndKeepsIndicesRight) {
   Scene scene;
   for (int k = 0; k < 2; ++k) {
     ModelPlacement placement;
-    placement.name = "m" + std::to_string(k);
+    placement.name = k == 0 ? "m0" : "m1";
     placement.transform.setTranslation(Imath::V3d(k, 0, 0));
     add_model(load(path), placement, scene);
   }
