@@ -43,10 +43,7 @@ int become_renderer(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // `bench topology` traces no rays.
-  const bool bench_topology =
-      argc > 2 && std::strcmp(argv[1], "bench") == 0 && std::strcmp(argv[2], "topology") == 0;
-  if (argc > 1 && !bench_topology)
+  if (argc > 1)
     for (const auto& command : kRendererCommands)
       if (std::strcmp(argv[1], command.name) == 0) return become_renderer(argv);
 

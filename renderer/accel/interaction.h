@@ -32,6 +32,11 @@ struct SurfaceInteraction {
   V3f geometric_normal{0.0f};  // unit, outward: by winding for meshes, -grad F for hypertexture
   V3f shading_normal{0.0f};    // unit, in the hemisphere of geometric_normal
   V2f uv{0.0f, 0.0f};          // the mesh's, or barycentric
+  // In object space, for what is solid: the point, its unit normal, and the length there of a world
+  // length of 1 (of a mean direction).
+  V3f object_p{0.0f}, object_normal{0.0f, 1.0f, 0.0f};
+  float object_scale = 1.0f;
+  float footprint = 0.0f;  // width of the ray's cone, world
   std::uint32_t instance = kNoIndex;
   std::uint32_t geometry = kNoIndex;
   std::uint32_t primitive = kNoIndex;

@@ -12,6 +12,9 @@ constexpr int kRouletteStart = 3;
 // Shadow rays stop short of a light's own surface by this fraction.
 constexpr float kShadowLength = 0.9999f;
 
+// Angle of the footprint of rays that a matte surface scatters, radians.
+constexpr float kLobeAngle = 0.1f;
+
 // Surfaces of partial opacity that a path or a shadow ray passes before it counts as blocked.
 constexpr int kMostCutouts = 256;
 
@@ -46,6 +49,7 @@ struct PathTracer::State {
   int vertex = 0;          // 0: the first hit
   int diffuse = 0, glossy = 0, transmitted = 0;  // bounces so far
   float travelled = 0.0f;                        // from the last vertex through cut-outs
+  float cone_width = 0.0f, cone_angle = 0.0f;    // of the ray's footprint, at the last vertex
   // How the ray was chosen; a camera ray or a delta lobe has no competing light sample.
   V3f previous_p{0.0f};
   float previous_pdf = 0.0f;
@@ -140,7 +144,7 @@ float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
     SurfaceInteraction hit;
     ++rays.shadow;
     if (!accel_.intersect(shadow, RayKind::kCutout, hit)) return passed;
-    passed *= 1.0f - materials_.opacity(hit);
+    passed *= 1.0f - materials_.opacity(hit, -normalize(shadow.direction));
     if (!(passed > 0.0f)) return 0.0f;
     // On from behind the surface, to the same end.
     const V3f end = shadow.origin + shadow.direction * shadow.tfar;
@@ -151,6 +155,32 @@ float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
     }
   }
   return 0.0f;
+}
+
+// The radiance of a light sample: where a texture varies what a mesh emits it is asked.
+V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
+                                const LightSet::Sample& light) const {
+  if (light.instance == LightSet::kNoLight) return light.radiance;
+  const Instance& instance = scene_.instances[light.instance];
+  if (!materials_.emission_is_textured(instance.material)) return light.radiance;
+  SurfaceInteraction on;
+  on.instance = light.instance;
+  on.geometry = instance.geometry;
+  on.material = instance.material;
+  on.primitive = light.triangle;
+  on.p = from.p + light.wi * light.distance;
+  on.uv = light.on_light;
+  const auto& mesh = std::get<TriangleMesh>(scene_.geometries[on.geometry].shape);
+  const Imath::V3i& t = mesh.triangles[light.triangle];
+  const float b1 = light.on_light.x, b2 = light.on_light.y;
+  const auto corner = [&](int k) { return static_cast<std::size_t>(t[k]); };
+  const auto mixed = [&](const auto& values) {
+    return values[corner(0)] * (1.0f - b1 - b2) + values[corner(1)] * b1 + values[corner(2)] * b2;
+  };
+  on.object_p = mixed(mesh.positions);
+  if (!mesh.uvs.empty()) on.uv = mixed(mesh.uvs);
+  on.geometric_normal = on.shading_normal = -light.wi;
+  return materials_.emission(on, -light.wi);
 }
 
 void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
@@ -176,8 +206,9 @@ void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceI
   const float visible = visibility(shadow, rays);
   if (!(visible > 0.0f)) return;
   const float weight = light.delta ? 1.0f : mis_weight(light.pdf, lobe.pdf, true);
-  add_light(state.throughput * lobe.value * light.radiance * (weight * visible / light.pdf),
-            light.light_group, state.vertex > 0, sample);
+  add_light(
+      state.throughput * lobe.value * emitted_towards(hit, light) * (weight * visible / light.pdf),
+      light.light_group, state.vertex > 0, sample);
 }
 
 bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
@@ -189,7 +220,8 @@ bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInte
     if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kBounce, hit))
       return false;
     if (hit.light != kNoIndex || materials_.opaque(hit.material)) return true;
-    const float opacity = materials_.opacity(hit);
+    hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
+    const float opacity = materials_.opacity(hit, -state.ray.direction);
     if (opacity >= 1.0f) return true;
     if (sampler.get_1d(cutout_dimension(state.vertex, passed)) < opacity) return true;
     state.travelled += hit.t;
@@ -211,6 +243,8 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
   PathSample result;
   State state;
   state.ray = camera_ray;
+  state.cone_width = camera_.pixel_width();
+  state.cone_angle = camera_.pixel_angle();
 
   for (;; ++state.vertex) {
     SurfaceInteraction hit;
@@ -236,18 +270,19 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
       break;
     }
     const V3f wo = -state.ray.direction;
+    hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
     if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
       state.throughput *= materials_.transmittance(hit.material, state.travelled + hit.t);
     if (materials_.emits(hit.material)) {
-      const V3f emitted = materials_.emission(hit);
+      const V3f emitted = materials_.emission(hit, wo);
       const std::uint32_t light = lights_.emissive_triangle(hit.instance, hit.primitive);
       if (max_component(emitted) > 0.0f)
         add_emitted(state, hit, emitted, light, scene_.materials[hit.material].group, result);
     }
     if (state.vertex > scene_.settings.max_depth) break;
 
-    const Bsdf bsdf(materials_.parameters(hit, state.smallest_alpha), hit.geometric_normal,
-                    hit.shading_normal, wo);
+    const MaterialSet::Shading shading = materials_.shade(hit, wo, state.smallest_alpha);
+    const Bsdf bsdf(shading.parameters, hit.geometric_normal, shading.normal, wo);
     const bool delta = bsdf.delta();
     if (state.features_open && !delta) {
       state.features_open = false;
@@ -279,6 +314,9 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     }
     state.smallest_alpha =
         std::max(state.smallest_alpha, scene_.settings.regularization * bsdf.spread());
+    // What a wide lobe sees need not be sharp.
+    state.cone_width = hit.footprint;
+    state.cone_angle = std::max(state.cone_angle, kLobeAngle * bsdf.spread());
     state.previous_p = hit.p;
     state.previous_pdf = scattered->pdf;
     state.previous_delta = scattered->delta;

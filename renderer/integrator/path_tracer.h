@@ -43,6 +43,7 @@ class PathTracer {
   bool within_limits(State& state, const LobeSample& scattered) const;
   float visibility(Ray shadow, RayCounts& rays) const;
 
+  V3f emitted_towards(const SurfaceInteraction& from, const LightSet::Sample& light) const;
   void add_light(V3f light, std::uint32_t light_group, bool indirect, PathSample& sample) const;
   void add_escaped(State& state, PathSample& sample) const;
   void add_light_hit(State& state, const SurfaceInteraction& hit, PathSample& sample) const;

@@ -135,6 +135,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
         },
         tbb::simple_partitioner());
     statistics.seconds.emplace_back("trace", watch.restart());
+    statistics.textures = materials.texture_statistics();
   });
   return result;
 }

@@ -41,6 +41,7 @@ struct RenderStatistics {
   std::uint64_t firefly_pixels = 0;
   float brightest_sample = 0.0f;
   SceneAccel::Statistics accel;
+  std::string textures;  // of the texture system, for people; empty without images
   std::vector<std::pair<std::string, double>>
       seconds;  // by phase, wall clock: build, lights, trace
 

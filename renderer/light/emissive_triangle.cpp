@@ -16,6 +16,7 @@ LightSample EmissiveTriangle::sample(const V3f& p, const V2f& u) const {
   const V3f to_light = a_ + edge_b_ * (root * (1.0f - u.y)) + edge_c_ * (root * u.y) - p;
   const float distance2 = dot(to_light, to_light);
   LightSample s;
+  s.on_light = V2f(root * (1.0f - u.y), root * u.y);
   s.distance = std::sqrt(distance2);
   s.wi = to_light / s.distance;
   const float cosine = std::abs(dot(s.wi, normal_));

@@ -20,7 +20,8 @@ struct LightSample {
   V3f radiance{0.0f};  // that arrives from there if nothing is in between
   float pdf = 0.0f;    // per solid angle; 0: no sample. Of a delta light the chance of choosing it
   float distance = 0;  // to the light's point; may be infinite
-  bool delta = false;  // `radiance` is an irradiance; no other strategy finds this light
+  V2f on_light{0.0f, 0.0f};  // of a triangle: barycentric coordinates of the point
+  bool delta = false;        // `radiance` is an irradiance; no other strategy finds this light
 };
 
 // Where a set of lights is and which way it shines.

@@ -65,8 +65,12 @@ void LightSet::add_emissive_meshes(const Scene& scene) {
     first_triangle_.push_back(kNoLight);
     const auto* mesh = std::get_if<TriangleMesh>(&scene.geometries[instance.geometry].shape);
     const Material& material = scene.materials[instance.material];
-    if (mesh == nullptr || !(max_component(material.emission) > 0.0f)) continue;
+    // One that moves is left to BSDF samples.
+    if (mesh == nullptr || instance.object_to_world_end ||
+        !(max_component(material.emission) > 0.0f))
+      continue;
     first_triangle_.back() = static_cast<std::uint32_t>(local_.size());
+    emissive_instances_.push_back(static_cast<std::uint32_t>(first_triangle_.size() - 1));
     const auto corner = [&](int vertex) {
       return V3f(V3d(mesh->positions[static_cast<std::size_t>(vertex)]) * instance.object_to_world);
     };
@@ -76,6 +80,16 @@ void LightSet::add_emissive_meshes(const Scene& scene) {
       local_group_.push_back(material.group);
     }
   }
+}
+
+void LightSet::set_triangle(std::uint32_t light, Sample& s) const {
+  if (!std::holds_alternative<EmissiveTriangle>(local_[light])) return;
+  // The last instance whose first triangle is not beyond it.
+  const auto after = std::upper_bound(
+      emissive_instances_.begin(), emissive_instances_.end(), light,
+      [&](std::uint32_t l, std::uint32_t instance) { return l < first_triangle_[instance]; });
+  s.instance = *(after - 1);
+  s.triangle = light - first_triangle_[s.instance];
 }
 
 float LightSet::local_importance(const V3f& p) const {
@@ -109,6 +123,7 @@ LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
         std::visit([&](const auto& l) { return l.sample(p, u); }, local_[chosen.light]);
     s.pdf *= local * chosen.probability;
     s.light_group = local_group_[chosen.light];
+    set_triangle(chosen.light, s);
     return s;
   }
   if (!(infinite_importance_ > 0.0f)) return {};

@@ -38,10 +38,15 @@ class LightSet {
 
   bool empty() const { return !environment_ && distants_.empty() && local_.empty(); }
 
+  static constexpr std::uint32_t kNoLight = 0xffffffffu;
+
   // A direction from `p` to one of the group's lights; pdf includes the choice, and is 0 if none of
   // them can reach `p`.
   struct Sample : LightSample {
     std::uint32_t light_group = kNoGroup;  // Scene's
+    // Of the triangle of an emissive mesh; `radiance` is then that of the material without
+    // textures.
+    std::uint32_t instance = kNoLight, triangle = 0;
   };
   Sample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const;
 
@@ -61,7 +66,6 @@ class LightSet {
   float local_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi,
                   float distance) const;
   // Number of the local light that is this triangle; kNoLight if the instance's are not sampled.
-  static constexpr std::uint32_t kNoLight = 0xffffffffu;
   std::uint32_t emissive_triangle(std::uint32_t instance, std::uint32_t triangle) const {
     const std::uint32_t first = first_triangle_[instance];
     return first == kNoLight ? kNoLight : first + triangle;
@@ -84,6 +88,7 @@ class LightSet {
     return std::visit([&](const auto& light) { return light.importance(p); }, local_[i]);
   }
   void add_emissive_meshes(const Scene& scene);
+  void set_triangle(std::uint32_t light, Sample& s) const;
   LightSample sample_infinite(std::size_t i, const V2f& u) const;
 
   std::optional<Environment> environment_;
@@ -92,7 +97,8 @@ class LightSet {
   float infinite_importance_ = 0.0f;
   std::vector<LocalLight> local_;
   std::vector<std::uint32_t> local_group_;
-  std::vector<std::uint32_t> first_triangle_;  // per instance
+  std::vector<std::uint32_t> first_triangle_;      // per instance
+  std::vector<std::uint32_t> emissive_instances_;  // in the order of their triangles
   std::optional<LightTree> tree_;
 };
 

@@ -11,6 +11,12 @@ const params::Declaration& scene_declaration();
 const params::Declaration& camera_declaration();
 const params::Declaration& render_declaration();
 
+const params::Declaration& image_texture_declaration();
+const params::Declaration& ramp_texture_declaration();
+const params::Declaration& checker_texture_declaration();
+
+const params::Declaration& model_declaration();
+
 const params::Declaration& diffuse_declaration();
 const params::Declaration& conductor_declaration();
 const params::Declaration& dielectric_declaration();

@@ -14,8 +14,10 @@
 #include "renderer/mesh/primitives.h"
 #include "renderer/scene/cache_store.h"
 #include "renderer/scene/declarations.h"
+#include "renderer/scene/model.h"
 #include "renderer/scene/readers.h"
 #include "renderer/scene/scene_json.h"
+#include "renderer/scene/transform.h"
 
 namespace morsel::render {
 namespace {
@@ -43,6 +45,7 @@ class SceneLoader {
     attempt([&] {
       scene_.settings = read_settings(section("render", kNoObject), document_.place() / "render");
     });
+    load_textures();
     load_materials();
     load_lights();
     if (list_all_geometries()) {
@@ -50,6 +53,7 @@ class SceneLoader {
       load_geometries();
       keep_used_geometries();
     }
+    load_models();
     return std::move(result_);
   }
 
@@ -86,6 +90,46 @@ class SceneLoader {
     if (options_.warn) options_.warn(message);
   }
 
+  void load_textures() {
+    for_each("textures", [&](const json& object, const Place& place, std::size_t) {
+      Texture texture = read_texture(object, place);
+      for (const Texture& other : scene_.textures)
+        if (other.name == texture.name)
+          (place / "name").fail(fmt::format("\"{}\" is the name of another texture", texture.name));
+      if (auto* image = std::get_if<ImageTexture>(&texture.kind)) {
+        if (image->file.find("<UDIM>") == std::string::npos)
+          image->file = readable_image(image->file, place / "file");
+        else
+          image->file = std::filesystem::absolute(document_.resolve(image->file)).string();
+      }
+      scene_.textures.push_back(std::move(texture));
+    });
+  }
+
+  void load_models() {
+    for_each("models", [&](const json& object, const Place& place, std::size_t) {
+      const JsonReader reader(object, model_declaration(), place);
+      const std::filesystem::path file = document_.resolve(reader.string("file"));
+      Model model;
+      try {
+        model = load_model(file, options_.warn);
+      } catch (const MeshError& e) {
+        (place / "file").fail(e.what());
+      }
+      ModelPlacement placement;
+      placement.name = reader.string("name");
+      if (placement.name.empty()) placement.name = file.stem().string();
+      placement.transform = make_transform(reader.vector3("scale"), reader.vector3("rotate"),
+                                           reader.vector3("translate"));
+      if (!is_invertible(placement.transform))
+        (place / "scale").fail("must not flatten the model: no component may be 0");
+      placement.lights = reader.boolean("lights");
+      placement.camera =
+          reader.boolean("camera") && document_.root().find("camera") == document_.root().end();
+      add_model(std::move(model), placement, scene_);
+    });
+  }
+
   void load_materials() {
     for_each("materials", [&](const json& object, const Place& place, std::size_t) {
       // The name counts even if the rest is wrong: instances that use it are not to blame.
@@ -97,7 +141,7 @@ class SceneLoader {
           std::find(material_names_.begin(), material_names_.end(), name) != material_names_.end();
       material_names_.push_back(name);
       scene_.materials.emplace_back();
-      scene_.materials.back() = read_material(object, place, scene_.light_groups);
+      scene_.materials.back() = read_material(object, place, scene_);
       if (repeated)
         (place / "name").fail(fmt::format("\"{}\" is the name of another material", name));
     });

@@ -37,6 +37,10 @@ Parameter attenuation_color_parameter() {
                         "colour of white light after attenuation_distance");
 }
 
+Parameter texture_parameter(const char* name, const char* help) {
+  return {.name = name, .type = Type::kString, .help = help, .optional = true};
+}
+
 }  // namespace
 
 const Declaration& diffuse_declaration() {
@@ -46,6 +50,7 @@ const Declaration& diffuse_declaration() {
       {type_parameter("diffuse", true),
        name_parameter("name of the material"),
        tint_parameter("color", {0.5, 0.5, 0.5}, "albedo"),
+       texture_parameter("color_texture", "multiplies the colour"),
        diffuse_roughness_parameter(),
        {.name = "checker_color",
         .type = Type::kColor,
@@ -126,6 +131,33 @@ const Declaration& principled_declaration() {
         .min = 0.0,
         .max = 1e9},
        share_parameter("opacity", 1.0, "share of light that meets the surface at all"),
+       share_parameter("opacity_cutoff", 0.0,
+                       "above 0: the surface is there where the opacity reaches this, else not"),
+       {.name = "normal_scale",
+        .default_value = 1.0,
+        .help = "how much the normal map leans",
+        .min = -10.0,
+        .max = 10.0},
+       {.name = "bump_height",
+        .default_value = 0.1,
+        .help = "height of a bump texture's 1",
+        .unit = "length",
+        .min = -1e6,
+        .max = 1e6},
+       texture_parameter("color_texture", "multiplies the colour"),
+       texture_parameter("roughness_texture", "multiplies the roughness"),
+       texture_parameter("metallic_texture", "multiplies metallic"),
+       texture_parameter("specular_texture", "multiplies specular"),
+       texture_parameter("specular_color_texture", "multiplies the specular colour"),
+       texture_parameter("transmission_texture", "multiplies the transmission"),
+       texture_parameter("clearcoat_texture", "multiplies the clear coat"),
+       texture_parameter("clearcoat_roughness_texture", "multiplies its roughness"),
+       texture_parameter("sheen_color_texture", "multiplies the sheen's colour"),
+       texture_parameter("sheen_roughness_texture", "multiplies its roughness"),
+       texture_parameter("emission_texture", "multiplies the emission"),
+       texture_parameter("opacity_texture", "multiplies the opacity"),
+       texture_parameter("normal_texture", "normal map in tangent space, y up"),
+       texture_parameter("bump_texture", "height of the surface, in units of bump_height"),
        {.name = "group",
         .type = Type::kString,
         .default_value = "",

@@ -41,6 +41,9 @@ void read_principled(const JsonReader& reader, Material& m) {
   m.sheen_roughness = number(reader, "sheen_roughness");
   m.emission = to_float(reader.vector3("emission"));
   m.opacity = number(reader, "opacity");
+  m.opacity_cutoff = number(reader, "opacity_cutoff");
+  m.normal_scale = number(reader, "normal_scale");
+  m.bump_height = number(reader, "bump_height");
 }
 
 const params::Declaration& declaration_of(const std::string& type) {
@@ -52,8 +55,7 @@ const params::Declaration& declaration_of(const std::string& type) {
 
 }  // namespace
 
-Material read_material(const nlohmann::json& object, const Place& place,
-                       std::vector<std::string>& light_groups) {
+Material read_material(const nlohmann::json& object, const Place& place, Scene& scene) {
   const std::string type =
       params::type_of(object, {"diffuse", "conductor", "dielectric", "principled"}, place);
   const JsonReader reader(object, declaration_of(type), place);
@@ -62,6 +64,7 @@ Material read_material(const nlohmann::json& object, const Place& place,
   material.color = to_float(reader.vector3("color"));
   if (type == "diffuse") {
     read_diffuse(reader, material);
+    read_material_textures(reader, {MaterialInput::kColor}, scene, material);
     return material;
   }
   material.roughness = number(reader, "roughness");
@@ -72,7 +75,15 @@ Material read_material(const nlohmann::json& object, const Place& place,
     read_attenuation(reader, material);
   } else {
     read_principled(reader, material);
-    material.group = light_group(reader, light_groups);
+    read_material_textures(
+        reader,
+        {MaterialInput::kColor, MaterialInput::kRoughness, MaterialInput::kMetallic,
+         MaterialInput::kSpecular, MaterialInput::kSpecularColor, MaterialInput::kTransmission,
+         MaterialInput::kClearcoat, MaterialInput::kClearcoatRoughness, MaterialInput::kSheenColor,
+         MaterialInput::kSheenRoughness, MaterialInput::kEmission, MaterialInput::kOpacity,
+         MaterialInput::kNormal, MaterialInput::kBump},
+        scene, material);
+    material.group = light_group(reader, scene.light_groups);
   }
   return material;
 }

@@ -68,6 +68,7 @@ RenderSettings read_settings(const json& object, const Place& place) {
                            : filter == "box"      ? 0.5f
                            : filter == "triangle" ? 1.0f
                                                   : 1.5f;
+  settings.texture_memory = static_cast<int>(reader.integer("texture_memory"));
   settings.cryptomatte = reader.boolean("cryptomatte");
   settings.max_depth = static_cast<int>(reader.integer("max_depth"));
   settings.seed = static_cast<std::uint32_t>(reader.integer("seed"));

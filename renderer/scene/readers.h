@@ -17,9 +17,17 @@ namespace morsel::render {
 SceneCamera read_camera(const nlohmann::json& object, const params::Place& place);
 RenderSettings read_settings(const nlohmann::json& object, const params::Place& place);
 
-// Appends names of light groups that are new to `light_groups`.
-Material read_material(const nlohmann::json& object, const params::Place& place,
-                       std::vector<std::string>& light_groups);
+// Its textures are those of `scene`, to which new light groups are added.
+Material read_material(const nlohmann::json& object, const params::Place& place, Scene& scene);
+
+// An image's file is as written in the scene.
+Texture read_texture(const nlohmann::json& object, const params::Place& place);
+// The key under which a material names the texture of an input: "color_texture".
+const char* texture_key(MaterialInput input);
+// Sets the textures that the material names; scene.textures must be complete.
+void read_material_textures(const params::JsonReader& reader,
+                            std::initializer_list<MaterialInput> inputs, Scene& scene,
+                            Material& material);
 
 // Adds a light of any type to `scene`. The environment's file is as written in the scene.
 void read_light(const nlohmann::json& object, const params::Place& place, Scene& scene);

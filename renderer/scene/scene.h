@@ -4,12 +4,15 @@
 #include <Imath/ImathMatrix.h>
 #include <Imath/ImathVec.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "renderer/scene/texture.h"
 
 namespace morsel::geom {
 class HypertextureGeometry;
@@ -59,7 +62,25 @@ struct Material {
   Imath::V3f emission{0.0f};       // radiance, on both sides
   std::uint32_t group = kNoGroup;  // of its light
   float opacity = 1.0f;            // share of rays that the surface is there for
-  bool opaque() const { return opacity >= 1.0f; }
+  // Above 0: all or nothing, whether the opacity reaches this.
+  float opacity_cutoff = 0.0f;
+
+  // Indices into Scene::textures, by MaterialInput.
+  std::array<std::uint32_t, kMaterialInputs> textures = no_textures();
+  float normal_scale = 1.0f;  // how much the normal map leans
+  float bump_height = 0.1f;   // length that a bump texture's 1 stands for
+
+  std::uint32_t& texture(MaterialInput input) { return textures[static_cast<std::size_t>(input)]; }
+  std::uint32_t texture(MaterialInput input) const {
+    return textures[static_cast<std::size_t>(input)];
+  }
+  bool opaque() const { return opacity >= 1.0f && texture(MaterialInput::kOpacity) == kNoTexture; }
+
+  static std::array<std::uint32_t, kMaterialInputs> no_textures() {
+    std::array<std::uint32_t, kMaterialInputs> none;
+    none.fill(kNoTexture);
+    return none;
+  }
 };
 
 struct TriangleMesh {
@@ -190,7 +211,8 @@ struct RenderSettings {
   PixelFilter filter = PixelFilter::kBox;
   float filter_radius = 0.5f;  // pixels
   bool cryptomatte = false;
-  int max_depth = 8;  // path vertices beyond the first hit
+  int texture_memory = 1024;  // MB that texture tiles may take
+  int max_depth = 8;          // path vertices beyond the first hit
   // Bounces of a kind that a path may have.
   int max_diffuse_depth = 1024, max_glossy_depth = 1024, max_transmission_depth = 1024;
   float indirect_clamp =
@@ -204,6 +226,7 @@ struct RenderSettings {
 };
 
 struct Scene {
+  std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Geometry> geometries;
   std::vector<Instance> instances;
