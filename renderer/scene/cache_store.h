@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hypertexture_geom/field/field.h"
 #include "renderer/scene/scene_json.h"
@@ -36,6 +37,11 @@ struct StoredCache {
   std::filesystem::path file;
   bool built = false;  // rather than read
 };
+
+// What the user of a geometry should know of its topology: where the surface reaches the box and is
+// cut, and how much stayed undecided.
+std::vector<std::string> topology_warnings(const std::string& geometry,
+                                           const topology::Topology& topology);
 
 // Hands out caches for a scene's geometries; geometries of one fingerprint share one cache.
 class CacheStore {

@@ -269,15 +269,7 @@ class SceneLoader {
       const geom::Hypertexture& hypertexture) {
     const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
     const topology::Topology& topology = stored.cache->topology;
-    if (topology.touches_box)
-      warn(
-          fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, "
-                      "{:.4g}) and is cut there",
-                      hypertexture.name, topology.touches_box->x, topology.touches_box->y,
-                      topology.touches_box->z));
-    if (!topology.certified)
-      warn(fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
-                       hypertexture.name, topology.unresolved_cells, topology.unresolved_faces));
+    for (const std::string& text : topology_warnings(hypertexture.name, topology)) warn(text);
     geom::GeometryOptions ray_options;
     ray_options.keep = hypertexture.keep;
     ray_options.solver = hypertexture.solver;
