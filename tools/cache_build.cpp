@@ -31,6 +31,7 @@ struct Options {
   int max_depth = 0;  // 0: as the scene says
   std::string engine = "certified";
   double perturbation = 0.0;
+  double max_memory = 0.0;  // GiB; 0: no limit
 };
 
 // Why the cache has to be built; empty when the one that is there is current.
@@ -114,6 +115,7 @@ class Builder {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
       topology::Execution execution;
       execution.cancel = session_.cancel;
+      execution.max_bytes = static_cast<std::uint64_t>(options_.max_memory * 0x1p30);
       execution.progress = [&](double fraction, const char* phase) {
         reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
       };
@@ -186,6 +188,12 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "morse, both: look for critical points of the field plus a linear term that is at "
           "most this on the box, for fields whose critical points are not isolated")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--max-memory", options->max_memory,
+          "GiB that an octree may take while it is built; beyond, the build fails and leaves "
+          "what it has in FILE.partial")
+      ->check(CLI::Range(0.0, 1e6));
   command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

@@ -47,12 +47,17 @@ int main(int argc, char** argv) {
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
-    CLI::App* cache = app.add_subcommand("cache", "Topology caches: build, compare, export, info");
+    CLI::App* bench = app.add_subcommand("bench", "Measurements: topology");
+    bench->require_subcommand(1);
+    add_bench_topology(*bench, session);
+    CLI::App* cache =
+        app.add_subcommand("cache", "Topology caches: build, compare, export, info, verify");
     cache->require_subcommand(1);
     add_cache_build(*cache, session);
     add_cache_compare(*cache, session);
     add_cache_export(*cache, session);
     add_cache_info(*cache, session);
+    add_cache_verify(*cache, session);
     CLI::App* field = app.add_subcommand("field", "Values of a field: eval, sample");
     field->require_subcommand(1);
     add_field_eval(*field, session);
