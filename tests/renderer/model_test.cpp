@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "renderer/mesh/mesh_file.h"
 #include "tests/renderer/gltf_file.h"
 #include "tests/temporary_folder.h"
@@ -235,6 +237,56 @@ TEST_F(ModelTest, PlacementMovesEverythingAndKeepsIndicesRight) {
   EXPECT_EQ(scene.materials[2].texture(MaterialInput::kColor), 1u);
   EXPECT_EQ(Imath::V3d(0.0) * scene.instances[1].object_to_world, Imath::V3d(1, 0, 0));
   EXPECT_EQ(scene.instances[0].name.rfind("m0/", 0), 0u);
+}
+
+// Real files, where Debian's package assimp-testmodels is installed.
+constexpr const char* kRealModels = "/usr/share/assimp/models/";
+
+class RealModels : public ModelTest {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(kRealModels)) GTEST_SKIP() << "assimp-testmodels is not installed";
+  }
+};
+
+TEST_F(RealModels, AreRead) {
+  for (const char* name :
+       {"glTF2/BoxTextured-glTF/BoxTextured.gltf",
+        "glTF2/BoxTextured-glTF-Embedded/BoxTextured.gltf",
+        "glTF2/BoxTextured-glTF-Binary/BoxTextured.glb",
+        "glTF2/BoxTextured-glTF-pbrSpecularGlossiness/BoxTextured.gltf",
+        "glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb",
+        "glTF2/ClearCoat-glTF/ClearCoatTest.gltf",
+        "glTF2/textureTransform/TextureTransformTest.gltf", "glTF2/cameras/Cameras.gltf",
+        "OBJ/WusonOBJ.obj", "OBJ/spider.obj", "OBJ/cube_usemtl.obj"}) {
+    const Model model = load(std::string(kRealModels) + name);
+    EXPECT_FALSE(model.scene.instances.empty()) << name;
+    for (const Instance& i : model.scene.instances) {
+      EXPECT_LT(i.material, model.scene.materials.size()) << name;
+      EXPECT_LT(i.geometry, model.scene.geometries.size()) << name;
+    }
+  }
+  EXPECT_TRUE(load(std::string(kRealModels) + "glTF2/cameras/Cameras.gltf").has_camera);
+}
+
+TEST_F(RealModels, ThatAreBrokenSayHow) {
+  for (const auto& [name, what] : std::map<std::string, std::string>{
+           {"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", "an index is 255"},
+           {"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
+           {"glTF2/RecursiveNodes/RecursiveNodes.gltf", "node 0 is reached twice"},
+           {"glTF2/wrongTypes/badArray.gltf", "no triangles"},
+           {"glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", "not a finite number"},
+           {"glTF/BoxTextured-glTF/BoxTextured.gltf", "only 2 is supported"},
+           {"invalid/malformed.obj", ""},
+           {"invalid/empty.obj", ""}}) {
+    try {
+      load(kRealModels + name);
+      FAIL() << name;
+    } catch (const MeshError& e) {
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+    }
+  }
 }
 
 }  // namespace
