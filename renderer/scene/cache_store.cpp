@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "topology/checkpoint.h"
+
 namespace morsel::render {
 namespace {
 
@@ -120,10 +122,24 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
 
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const fs::path& file,
-    const topology::Execution& execution) {
+    const topology::Execution& execution, const topology::EngineOptions& engine) {
   prepare_folder(file);
-  topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
+  const fs::path partial = file.string() + ".partial";
+  topology::TopologyCache cache;
+  {
+    topology::Checkpoint checkpoint(partial, hypertexture.hash);
+    topology::Execution with_checkpoint = execution;
+    with_checkpoint.checkpoint = &checkpoint;
+    try {
+      cache = geom::build_cache(hypertexture, with_checkpoint, engine);
+    } catch (...) {
+      // Kept for the next build, unless there is nothing in it.
+      if (checkpoint.is_empty()) fs::remove(partial);
+      throw;
+    }
+  }
   topology::write_cache(cache, file);
+  fs::remove(partial);
   return std::make_shared<const topology::TopologyCache>(std::move(cache));
 }
 

@@ -61,10 +61,12 @@ class CacheStore {
   std::map<std::string, StoredCache> by_hash_;
 };
 
-// Builds the cache and writes it to `file`, making the folder. Throws topology::CacheError when it
-// cannot be written (before the build, if that can be known then) and topology::Cancelled.
+// Builds the cache and writes it to `file`, making the folder. What a build of more than a few
+// seconds has done when it is interrupted is kept in FILE.partial, and the next one goes on from
+// there. Throws topology::CacheError when it cannot be written (before the build, if that can be
+// known then) and what topology::run_engine throws.
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const std::filesystem::path& file,
-    const topology::Execution& execution);
+    const topology::Execution& execution, const topology::EngineOptions& engine = {});
 
 }  // namespace morsel::render
