@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "topology/morse/morse_sections.h"
 #include "topology/octree_codec.h"
 
 namespace morsel::topology {
@@ -94,6 +95,16 @@ void check_octree(const Topology& t, const std::string& where) {
   for (const OctreeNode& node : t.nodes) leaves += node.is_leaf();
   if (leaves != t.leaves)
     throw CacheError(where + ": octree has another number of leaves than its header says");
+}
+
+// Null where the Morse engine did not run.
+json critical_points_json(const std::optional<MorseComplex>& morse) {
+  const auto count = [&](CriticalType type) { return morse ? json(morse->count(type)) : json(); };
+  return {{"maxima", count(CriticalType::kMaximum)},
+          {"saddles2", count(CriticalType::kSaddle2)},
+          {"saddles1", count(CriticalType::kSaddle1)},
+          {"minima", count(CriticalType::kMinimum)},
+          {"degenerate", count(CriticalType::kDegenerate)}};
 }
 
 ComponentRecord record_of(const Component& c) {
@@ -183,11 +194,14 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
                      {"bounds", box_json(c.bounds)},
                      {"volume", {c.volume_lo, c.volume_hi}},
                      {"cells", c.cells},
+                     {"maxima", c.maxima > 0 ? json(c.maxima) : json()},
                      {"kept", static_cast<bool>(kept[i])}});
   }
   json unresolved = json::array();
   for (const Unresolved& u : t.unresolved)
     unresolved.push_back({{"box", box_json(u.box)}, {"value", u.value}});
+  const std::optional<MorseComplex> morse =
+      get_morse(cache.sections, t.components.size(), "topology cache");
   json sections = json::object();
   for (const Section& s : cache.sections.all()) sections[s.name] = s.bytes.size();
   return {
@@ -199,9 +213,8 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
       {"unresolved_faces", t.unresolved_faces},
       {"unresolved", unresolved},
       {"engine", t.engine},
-      // The certified engine computes no critical points.
-      {"critical_points",
-       {{"maxima", nullptr}, {"saddles2", nullptr}, {"saddles1", nullptr}, {"minima", nullptr}}},
+      {"critical_points", critical_points_json(morse)},
+      {"morse", morse_meta(cache.sections, "topology cache")},
       {"keep", keep.to_string()},
       {"kept", kept_count},
       {"field_hash", cache.field_hash},
