@@ -11,6 +11,8 @@
 #include "tools/commands.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
+#include "topology/morse/engine.h"
+#include "topology/morse/morse_sections.h"
 
 namespace morsel::tools {
 namespace {
@@ -27,11 +29,15 @@ struct Options {
   bool json = false;
   int threads = 0;
   int max_depth = 0;  // 0: as the scene says
+  std::string engine = "certified";
+  double perturbation = 0.0;
+  double max_memory = 0.0;  // GiB; 0: no limit
 };
 
 // Why the cache has to be built; empty when the one that is there is current.
 // A file that is no cache at all is replaced only at a name of our own making.
-std::string reason_to_build(const render::CacheInspection& found, bool own_name, bool force) {
+std::string reason_to_build(const render::CacheInspection& found, bool own_name, bool force,
+                            topology::Engine engine) {
   switch (found.state) {
     case CacheState::kMissing:
       return "missing";
@@ -40,8 +46,14 @@ std::string reason_to_build(const render::CacheInspection& found, bool own_name,
     case CacheState::kDamaged:
       if (own_name || force) return "damaged";
       throw std::runtime_error(found.problem + " (use --force to replace the file)");
-    case CacheState::kCurrent:
+    case CacheState::kCurrent: {
+      // Certified labels are good for whoever asks for no more than them.
+      const std::string& has = found.cache->topology.engine;
+      if (has != to_string(engine) &&
+          !(engine == topology::Engine::kCertified && has == to_string(topology::Engine::kBoth)))
+        return fmt::format("made by the engine \"{}\"", has);
       break;
+    }
   }
   return force ? "forced" : "";
 }
@@ -52,7 +64,10 @@ class Builder {
       : options_(options),
         session_(session),
         reporter_(options.reporting),
-        document_(options.scene.scene, overrides()) {}
+        document_(options.scene.scene, overrides()),
+        engine_(topology::engine_named(options.engine)) {
+    engine_.perturbation = options.perturbation;
+  }
 
   int run() {
     const auto threads = limit_threads(options_.threads);
@@ -95,21 +110,24 @@ class Builder {
     const fs::path file = options_.output.empty() ? render::cache_file_of(document_, hypertexture)
                                                   : fs::path(options_.output);
     render::CacheInspection found = render::inspect_cache(file, hypertexture.hash);
-    const std::string reason = reason_to_build(found, own_name, options_.force);
+    const std::string reason = reason_to_build(found, own_name, options_.force, engine_.engine);
     if (!reason.empty()) {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
       topology::Execution execution;
       execution.cancel = session_.cancel;
+      execution.max_bytes = static_cast<std::uint64_t>(options_.max_memory * 0x1p30);
       execution.progress = [&](double fraction, const char* phase) {
         reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
       };
-      found.cache = render::build_and_write(hypertexture, file, execution);
+      found.cache = render::build_and_write(hypertexture, file, execution, engine_);
     }
     report(hypertexture, file, reason, *found.cache);
   }
 
   void report(const geom::Hypertexture& hypertexture, const fs::path& file,
               const std::string& reason, const topology::TopologyCache& cache) {
+    for (const std::string& text : render::topology_warnings(hypertexture.name, cache.topology))
+      reporter_.warn(text);
     if (options_.json) {
       nlohmann::json result = topology::describe(cache, hypertexture.keep);
       result["geometry"] = hypertexture.name;
@@ -120,17 +138,27 @@ class Builder {
       return;
     }
     const std::size_t components = cache.topology.components.size();
-    std::cout << fmt::format("{}: {}: {} ({} component{}, {}, {:.2f} s)\n", hypertexture.name,
+    std::cout << fmt::format("{}: {}: {} ({} component{}, {}{}, {:.2f} s)\n", hypertexture.name,
                              file.string(), reason.empty() ? "up to date" : "built, was " + reason,
                              components, components == 1 ? "" : "s",
                              cache.topology.certified ? "certified" : "NOT certified",
-                             cache.seconds);
+                             describe_audit(cache), cache.seconds);
+  }
+
+  std::string describe_audit(const topology::TopologyCache& cache) {
+    const nlohmann::json meta = topology::morse_meta(cache.sections, "topology cache");
+    if (!meta.is_object() || !meta.at("audit").is_object()) return "";
+    if (meta.at("audit").at("agreed")) return ", engines agree";
+    for (const auto& reason : meta.at("audit").at("reasons"))
+      reporter_.warn(fmt::format("no audit: {}", reason.get<std::string>()));
+    return ", engines NOT compared";
   }
 
   const Options& options_;
   const Session& session_;
   Reporter reporter_;
   render::SceneDocument document_;
+  topology::EngineOptions engine_;
   nlohmann::json results_ = nlohmann::json::array();
 };
 
@@ -149,6 +177,25 @@ void add_cache_build(CLI::App& parent, Session& session) {
       ->add_option("--max-depth", options->max_depth,
                    "Depth limit of the octree instead of the scene's (changes the fingerprint)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option(
+          "--engine", options->engine,
+          "certified: the octree; morse: critical points and separatrices; both: certified "
+          "labels, critical points beside them, and an audit of one by the other")
+      ->check(CLI::IsMember({"certified", "morse", "both"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--perturb", options->perturbation,
+          "morse, both: look for critical points of the field plus a linear term that is at "
+          "most this on the box, for fields whose critical points are not isolated")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--max-memory", options->max_memory,
+          "GiB that an octree may take while it is built; beyond, the build fails and leaves "
+          "what it has in FILE.partial")
+      ->check(CLI::Range(0.0, 1e6));
   command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

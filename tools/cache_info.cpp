@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -14,6 +15,7 @@ struct Options {
   std::string file;
   std::string keep = "main";
   bool json = false;
+  std::size_t components = 20;
 };
 
 topology::KeepRule parse_keep(const std::string& text) {
@@ -42,6 +44,24 @@ void print_flat(const nlohmann::json& object, const std::string& prefix) {
   }
 }
 
+// The largest components, which come first.
+void print_table(const topology::Topology& t, const std::vector<bool>& kept, std::size_t rows) {
+  if (t.components.empty() || rows == 0) return;
+  std::cout << fmt::format("\n{:>8}  {:>4}  {:>26}  {:>10}  {}\n", "id", "kept",
+                           "volume (certified bounds)", "cells", "box");
+  for (std::size_t i = 0; i < std::min(rows, t.components.size()); ++i) {
+    const topology::Component& c = t.components[i];
+    std::cout << fmt::format(
+        "{:>8}  {:>4}  {:>12.6g} {:>13.6g}  {:>10}  [{:.4g}, {:.4g}] x [{:.4g}, {:.4g}] x [{:.4g}, "
+        "{:.4g}]\n",
+        i, kept[i] ? "yes" : "no", c.volume_lo, c.volume_hi, c.cells, c.bounds.min.x,
+        c.bounds.max.x, c.bounds.min.y, c.bounds.max.y, c.bounds.min.z, c.bounds.max.z);
+  }
+  if (rows < t.components.size())
+    std::cout << fmt::format("{:>8}  ({} more; --components shows them)\n", "...",
+                             t.components.size() - rows);
+}
+
 int run(const Options& options) {
   const topology::KeepRule keep = parse_keep(options.keep);
   const topology::TopologyCache cache = topology::read_cache(options.file);
@@ -50,6 +70,8 @@ int run(const Options& options) {
     std::cout << description.dump(2) << '\n';
   } else {
     print_flat(description, "");
+    const topology::Topology& t = cache.topology;
+    print_table(t, topology::kept_components(keep, t.components, t.octree()), options.components);
   }
   return kDone;
 }
@@ -61,6 +83,10 @@ void add_cache_info(CLI::App& parent, Session& session) {
   CLI::App* command = parent.add_subcommand("info", "Describe a topology cache");
   command->add_option("FILE", options->file, "Topology cache (.topo)")->required();
   command->add_flag("--json", options->json, "Print one JSON document");
+  command
+      ->add_option("--components", options->components,
+                   "How many components to list, largest volume first")
+      ->capture_default_str();
   command
       ->add_option("--keep", options->keep,
                    "Rule that `kept` is counted by: main, largest:K, volume:V, touching:X,Y,Z, "

@@ -7,8 +7,13 @@
 // is one more of each.
 namespace morsel::tools {
 
+void add_bench(CLI::App& parent, Session& session);
+void add_bench_topology(CLI::App& parent, Session& session);
 void add_cache_build(CLI::App& parent, Session& session);
+void add_cache_compare(CLI::App& parent, Session& session);
+void add_cache_export(CLI::App& parent, Session& session);
 void add_cache_info(CLI::App& parent, Session& session);
+void add_cache_verify(CLI::App& parent, Session& session);
 void add_field_eval(CLI::App& parent, Session& session);
 void add_field_sample(CLI::App& parent, Session& session);
 void add_mesh(CLI::App& parent, Session& session);

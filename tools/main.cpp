@@ -18,7 +18,9 @@ using namespace morsel::tools;
 constexpr struct {
   const char* name;
   const char* help;
-} kRendererCommands[] = {{"render", "Render a scene"}, {"scene", "Look at a scene file: check"}};
+} kRendererCommands[] = {{"bench", "Measure rays against those of a mesh; topology"},
+                         {"render", "Render a scene"},
+                         {"scene", "Look at a scene file: check"}};
 
 // Beside this executable in a build tree, in its own folder when installed.
 std::filesystem::path renderer_executable() {
@@ -47,10 +49,14 @@ int main(int argc, char** argv) {
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
-    CLI::App* cache = app.add_subcommand("cache", "Topology caches: build, info");
+    CLI::App* cache =
+        app.add_subcommand("cache", "Topology caches: build, compare, export, info, verify");
     cache->require_subcommand(1);
     add_cache_build(*cache, session);
+    add_cache_compare(*cache, session);
+    add_cache_export(*cache, session);
     add_cache_info(*cache, session);
+    add_cache_verify(*cache, session);
     CLI::App* field = app.add_subcommand("field", "Values of a field: eval, sample");
     field->require_subcommand(1);
     add_field_eval(*field, session);

@@ -2,59 +2,56 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "topology/octree.h"
 
 namespace morsel::topology {
 
-// Calls visit(lower, upper, axis, depth_lower, depth_upper) for every pair of leaves that share a
-// face (a rectangle with area), each pair once; node indices. Pairs with a leaf proved empty are
-// left out: S doesn't meet their face.
+// Pairs of leaves that share a face (a rectangle with area), each pair once. Pairs with a leaf
+// proved empty are left out: S doesn't meet their face. Calls
+//   visit(lower, upper, axis, depth_lower, depth_upper)
+// with node indices: `lower` ends along `axis` where `upper` begins.
+//
+// Between cell `a` of one array of nodes and cell `b` of another (or the same), which share a face.
 template <class Visit>
-class FacePairs {
- public:
-  FacePairs(const OctreeView& octree, Visit visit) : nodes_(octree.nodes), visit_(visit) {}
-
-  void run() { inside(0, 0); }
-
- private:
-  void inside(std::uint32_t cell, int depth) {
-    if (nodes_[cell].is_leaf()) return;
-    const std::uint32_t child = nodes_[cell].first_child;
-    for (std::uint32_t i = 0; i < 8; ++i) inside(child + i, depth + 1);
-    for (int axis = 0; axis < 3; ++axis)
-      for (std::uint32_t i = 0; i < 8; ++i)
-        if (((i >> axis) & 1) == 0)
-          across(child + i, child + (i | (1u << axis)), axis, depth + 1, depth + 1);
+void faces_across(std::span<const OctreeNode> lower_nodes, std::uint32_t a,
+                  std::span<const OctreeNode> upper_nodes, std::uint32_t b, int axis, int depth_a,
+                  int depth_b, Visit& visit) {
+  const OctreeNode& lower = lower_nodes[a];
+  const OctreeNode& upper = upper_nodes[b];
+  const bool lower_leaf = lower.is_leaf(), upper_leaf = upper.is_leaf();
+  if ((lower_leaf && lower.cell_content() == Content::kEmpty) ||
+      (upper_leaf && upper.cell_content() == Content::kEmpty))
+    return;
+  if (lower_leaf && upper_leaf) {
+    visit(a, b, axis, depth_a, depth_b);
+    return;
   }
-
-  void across(std::uint32_t lower, std::uint32_t upper, int axis, int depth_lower,
-              int depth_upper) {
-    const OctreeNode& a = nodes_[lower];
-    const OctreeNode& b = nodes_[upper];
-    if ((a.is_leaf() && a.cell_content() == Content::kEmpty) ||
-        (b.is_leaf() && b.cell_content() == Content::kEmpty))
-      return;
-    if (a.is_leaf() && b.is_leaf()) {
-      visit_(lower, upper, axis, depth_lower, depth_upper);
-      return;
-    }
-    for (std::uint32_t i = 0; i < 8; ++i) {
-      if ((i >> axis) & 1) continue;
-      const std::uint32_t near_b = i, near_a = i | (1u << axis);
-      across(a.is_leaf() ? lower : a.first_child + near_a,
-             b.is_leaf() ? upper : b.first_child + near_b, axis,
-             depth_lower + (a.is_leaf() ? 0 : 1), depth_upper + (b.is_leaf() ? 0 : 1));
-    }
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    if ((i >> axis) & 1u) continue;
+    faces_across(lower_nodes, lower_leaf ? a : lower.first_child + (i | (1u << axis)), upper_nodes,
+                 upper_leaf ? b : upper.first_child + i, axis, depth_a + (lower_leaf ? 0 : 1),
+                 depth_b + (upper_leaf ? 0 : 1), visit);
   }
+}
 
-  std::span<const OctreeNode> nodes_;
-  Visit visit_;
-};
+// Between the leaves below one cell.
+template <class Visit>
+void faces_inside(std::span<const OctreeNode> nodes, std::uint32_t cell, int depth, Visit& visit) {
+  if (nodes[cell].is_leaf()) return;
+  const std::uint32_t child = nodes[cell].first_child;
+  for (std::uint32_t i = 0; i < 8; ++i) faces_inside(nodes, child + i, depth + 1, visit);
+  for (int axis = 0; axis < 3; ++axis)
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (((i >> axis) & 1u) == 0)
+        faces_across(nodes, child + i, nodes, child + (i | (1u << axis)), axis, depth + 1,
+                     depth + 1, visit);
+}
 
 template <class Visit>
 void for_each_face_pair(const OctreeView& octree, Visit visit) {
-  FacePairs<Visit>(octree, visit).run();
+  faces_inside(octree.nodes, 0, 0, visit);
 }
 
 // What is known of S on the rectangle that two neighbouring leaves share: the face of the smaller
@@ -66,6 +63,21 @@ inline Content shared_content(const OctreeNode& lower, const OctreeNode& upper, 
   if (content == Content::kUndecided && depth_upper >= depth_lower)
     content = upper.face_content(axis, 0);
   return content;
+}
+
+// An undecided face between two decided cells is resolved by subdividing the smaller cell (the
+// lower one of two equal ones), which makes the face's pieces smaller. At the depth limit, or
+// beside an undecided cell, that can't help.
+enum class Remedy { kNone, kDivideLower, kDivideUpper };
+inline Remedy remedy_of(const OctreeNode& lower, const OctreeNode& upper, int axis, int depth_lower,
+                        int depth_upper, int max_depth) {
+  if (lower.cell_content() == Content::kUndecided || upper.cell_content() == Content::kUndecided)
+    return Remedy::kNone;
+  if (shared_content(lower, upper, axis, depth_lower, depth_upper) != Content::kUndecided)
+    return Remedy::kNone;
+  const bool first = depth_lower >= depth_upper;
+  if ((first ? depth_lower : depth_upper) >= max_depth) return Remedy::kNone;
+  return first ? Remedy::kDivideLower : Remedy::kDivideUpper;
 }
 
 }  // namespace morsel::topology

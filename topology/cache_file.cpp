@@ -8,6 +8,9 @@
 #include <span>
 #include <string_view>
 
+#include "topology/morse/morse_sections.h"
+#include "topology/octree_codec.h"
+
 namespace morsel::topology {
 namespace {
 
@@ -15,7 +18,7 @@ using nlohmann::json;
 
 // The sections that every cache has.
 constexpr std::string_view kMeta = "meta";              // JSON
-constexpr std::string_view kNodes = "octree.nodes";     // OctreeNode
+constexpr std::string_view kNodes = "octree.packed";    // see octree_codec.h
 constexpr std::string_view kComponents = "components";  // ComponentRecord
 constexpr std::string_view kOwn[] = {kMeta, kNodes, kComponents};
 
@@ -56,6 +59,7 @@ json meta_of(const TopologyCache& cache) {
           {"unresolved", unresolved},
           {"touches_box", t.touches_box ? vector_json(*t.touches_box) : json()},
           {"leaves", t.leaves},
+          {"nodes", t.nodes.size()},
           {"depth", t.depth},
           {"models", t.models}};
 }
@@ -82,45 +86,25 @@ void read_meta(const json& meta, TopologyCache& cache) {
   t.models = meta.at("models").get<std::uint64_t>();
 }
 
-// A tree: each node but the root has one parent, no cycles, no depth beyond the limit, known
-// contents and components, and the leaves that the metadata counts.
-void check_tree(const Topology& t, const std::string& where) {
-  const auto bad = [&](std::size_t node, const char* what) {
-    throw CacheError(fmt::format("{}: octree node {}: {}", where, node, what));
-  };
+// What is left to check of an octree that could be unpacked.
+void check_octree(const Topology& t, const std::string& where) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(t.box.min[axis] < t.box.max[axis]))
       throw CacheError(where + ": the octree's box has no extent");
-  struct Entry {
-    std::uint32_t node;
-    int depth;
-  };
-  std::vector<bool> seen(t.nodes.size(), false);
-  std::vector<Entry> stack{{0, 0}};
-  std::uint64_t visited = 0, leaves = 0;
-  while (!stack.empty()) {
-    const Entry e = stack.back();
-    stack.pop_back();
-    if (seen[e.node]) bad(e.node, "reached twice");
-    seen[e.node] = true;
-    ++visited;
-    const OctreeNode& node = t.nodes[e.node];
-    if (node.content > 3) bad(e.node, "unknown content");
-    if (node.component != kNoComponent && node.component >= t.components.size())
-      bad(e.node, "component that is not in the table");
-    if (node.is_leaf()) {
-      ++leaves;
-      continue;
-    }
-    if (e.depth >= kMaxDepth) bad(e.node, "deeper than the limit");
-    if (std::uint64_t{node.first_child} + 8 > t.nodes.size())
-      bad(e.node, "children beyond the end");
-    for (std::uint32_t i = 0; i < 8; ++i) stack.push_back({node.first_child + i, e.depth + 1});
-  }
-  if (visited != t.nodes.size())
-    throw CacheError(where + ": octree has nodes that nothing leads to");
+  std::uint64_t leaves = 0;
+  for (const OctreeNode& node : t.nodes) leaves += node.is_leaf();
   if (leaves != t.leaves)
     throw CacheError(where + ": octree has another number of leaves than its header says");
+}
+
+// Null where the Morse engine did not run.
+json critical_points_json(const std::optional<MorseComplex>& morse) {
+  const auto count = [&](CriticalType type) { return morse ? json(morse->count(type)) : json(); };
+  return {{"maxima", count(CriticalType::kMaximum)},
+          {"saddles2", count(CriticalType::kSaddle2)},
+          {"saddles1", count(CriticalType::kSaddle1)},
+          {"minima", count(CriticalType::kMinimum)},
+          {"degenerate", count(CriticalType::kDegenerate)}};
 }
 
 ComponentRecord record_of(const Component& c) {
@@ -158,7 +142,7 @@ void write_cache(TopologyCache& cache, const std::filesystem::path& path) {
   SectionWriter writer(path);
   writer.add(kMeta, std::as_bytes(std::span(meta)), 1, true);
   writer.add_records<ComponentRecord>(kComponents, components, true);
-  writer.add_records<OctreeNode>(kNodes, t.nodes, true);
+  writer.add(kNodes, pack_octree(t.nodes), 1, true);
   for (const Section& s : cache.sections.all()) writer.add(s.name, s.bytes, s.element_bytes);
   cache.bytes = writer.publish();
 }
@@ -168,19 +152,20 @@ TopologyCache read_cache(const std::filesystem::path& path) {
   file.require_known(kOwn);
   TopologyCache cache;
   cache.bytes = file.bytes();
+  std::uint64_t nodes = 0;
   try {
     const std::vector<char> meta = file.read_records<char>(kMeta);
-    read_meta(json::parse(meta.begin(), meta.end()), cache);
+    const json parsed = json::parse(meta.begin(), meta.end());
+    read_meta(parsed, cache);
+    nodes = parsed.at("nodes").get<std::uint64_t>();
   } catch (const json::exception& e) {
     throw CacheError(fmt::format("{}: metadata: {}", file.name(), e.what()));
   }
   Topology& t = cache.topology;
   for (const ComponentRecord& r : file.read_records<ComponentRecord>(kComponents))
     t.components.push_back(component_of(r));
-  t.nodes = file.read_records<OctreeNode>(kNodes);
-  if (t.nodes.empty() || t.nodes.size() > kNoComponent)
-    throw CacheError(fmt::format("{}: {} octree nodes", file.name(), t.nodes.size()));
-  check_tree(t, file.name());
+  t.nodes = unpack_octree(file.read(kNodes), nodes, t.components.size(), file.name());
+  check_octree(t, file.name());
   for (const SectionEntry& e : file.entries())
     if (std::find(std::begin(kOwn), std::end(kOwn), e.name) == std::end(kOwn))
       cache.sections.put({e.name, e.element_bytes, file.read(e.name)});
@@ -209,11 +194,14 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
                      {"bounds", box_json(c.bounds)},
                      {"volume", {c.volume_lo, c.volume_hi}},
                      {"cells", c.cells},
+                     {"maxima", c.maxima > 0 ? json(c.maxima) : json()},
                      {"kept", static_cast<bool>(kept[i])}});
   }
   json unresolved = json::array();
   for (const Unresolved& u : t.unresolved)
     unresolved.push_back({{"box", box_json(u.box)}, {"value", u.value}});
+  const std::optional<MorseComplex> morse =
+      get_morse(cache.sections, t.components.size(), "topology cache");
   json sections = json::object();
   for (const Section& s : cache.sections.all()) sections[s.name] = s.bytes.size();
   return {
@@ -225,9 +213,8 @@ json describe(const TopologyCache& cache, const KeepRule& keep) {
       {"unresolved_faces", t.unresolved_faces},
       {"unresolved", unresolved},
       {"engine", t.engine},
-      // The certified engine computes no critical points.
-      {"critical_points",
-       {{"maxima", nullptr}, {"saddles2", nullptr}, {"saddles1", nullptr}, {"minima", nullptr}}},
+      {"critical_points", critical_points_json(morse)},
+      {"morse", morse_meta(cache.sections, "topology cache")},
       {"keep", keep.to_string()},
       {"kept", kept_count},
       {"field_hash", cache.field_hash},

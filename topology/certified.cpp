@@ -1,38 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/certified.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "topology/adjacency.h"
 #include "topology/component_table.h"
 #include "topology/tree_builder.h"
 
 namespace morsel::topology {
 namespace {
-
-// Neither side of a face whose content is undecided proves or refutes that S crosses it: the
-// smaller cell is subdivided (the lower one of two equal ones), which makes the face's pieces
-// smaller.
-std::vector<bool> cells_to_subdivide(const OctreeView& octree, int max_depth, bool& any) {
-  std::vector<bool> marked(octree.nodes.size(), false);
-  any = false;
-  for_each_face_pair(octree, [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a,
-                                 int depth_b) {
-    const OctreeNode &lower = octree.nodes[a], &upper = octree.nodes[b];
-    // At the depth limit cells themselves may be undecided; their faces can't help.
-    if (lower.cell_content() == Content::kUndecided || upper.cell_content() == Content::kUndecided)
-      return;
-    if (shared_content(lower, upper, axis, depth_a, depth_b) != Content::kUndecided) return;
-    const bool first = depth_a >= depth_b;
-    if ((first ? depth_a : depth_b) >= max_depth) return;
-    marked[first ? a : b] = true;
-    any = true;
-  });
-  return marked;
-}
 
 void check_box(const Box& box) {
   for (int axis = 0; axis < 3; ++axis)
@@ -60,6 +40,11 @@ Box dyadic_box(const Box& box) {
   return result;
 }
 
+MemoryLimit::MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes)
+    : std::runtime_error(fmt::format("the octree has reached {} nodes, which is as many as {} MiB "
+                                     "allow: allow more memory, a smaller box or a lower max_depth",
+                                     nodes, max_bytes >> 20)) {}
+
 Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution) {
   if (options.min_depth < 0 || options.max_depth > kMaxDepth ||
@@ -68,14 +53,10 @@ Topology certify(const ScalarField& field, const CertifyOptions& options,
   Topology topology;
   topology.box = dyadic_box(options.box);
   TreeBuilder builder(field, topology.box, options, execution);
-  topology.nodes = builder.build();
-  for (bool any = true; any;) {
-    const std::vector<bool> marked = cells_to_subdivide(topology.octree(), options.max_depth, any);
-    if (any) builder.subdivide(topology.nodes, marked);
-    if (execution.cancel != nullptr && execution.cancel->load()) throw Cancelled();
-  }
+  Forest forest = builder.build();
   topology.models = builder.models();
-  label_components(field, topology);
+  label_components(field, forest, execution, topology);
+  topology.nodes = forest.assemble();
   return topology;
 }
 

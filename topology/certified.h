@@ -24,11 +24,24 @@ struct CertifyOptions {
       20;  // cells at this depth are not subdivided; what is undecided there is reported
 };
 
+class Checkpoint;
+
 // How: threads come from the caller's TBB arena.
 struct Execution {
   const std::atomic<bool>* cancel = nullptr;  // set to stop; then Cancelled is thrown
   std::function<void(double fraction, const char* phase)>
       progress;  // called from any thread, not concurrently
+  // Memory that the octree may take while it is built; beyond, MemoryLimit is thrown. 0: no limit.
+  std::uint64_t max_bytes = 0;
+  // Where finished trees are kept and taken from, or null. Trees are kept once the build has lasted
+  // `checkpoint_after` seconds: what a short build loses is not worth the file.
+  Checkpoint* checkpoint = nullptr;
+  double checkpoint_after = 5.0;
+};
+
+// Raised instead of taking more memory than the caller allowed.
+struct MemoryLimit : std::runtime_error {
+  MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes);
 };
 
 struct Cancelled : std::runtime_error {
@@ -64,7 +77,7 @@ struct Topology {
 
 // Labels the components of {F >= 0} within the box by the monotone retraction cascade: see
 // topology/README.md for the method and its proof. The result does not depend on the number of
-// threads. Throws Cancelled.
+// threads. Throws Cancelled and MemoryLimit.
 Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution = {});
 

@@ -1,26 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/component_table.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <map>
+#include <atomic>
+#include <limits>
 #include <numeric>
 
-#include "topology/adjacency.h"
+#include "topology/tree_labels.h"
 #include "topology/union_find.h"
 
 namespace morsel::topology {
 namespace {
 
 constexpr std::size_t kListed = 1000;  // unresolved places kept in the result
-
-bool holds_solid(const OctreeNode& node) {
-  return node.is_leaf() &&
-         (node.cell_content() == Content::kConnected || node.cell_content() == Content::kFull);
-}
-
-bool is_unresolved(const OctreeNode& node) {
-  return node.is_leaf() && node.cell_content() == Content::kUndecided;
-}
 
 // How many local maxima of F an unresolved cell can hold at most: 0, 1, or -1 for "no bound".
 int possible_maxima(const ScalarField& field, const Box& box) {
@@ -50,155 +44,201 @@ Box shared_rectangle(const Box& lower, const Box& upper, int axis) {
   return r;
 }
 
-// The joins of the cell graph: certain ones, and those that an unresolved cell or face leaves
-// possible.
-struct Joins {
-  UnionFind certain, possible;
-  std::vector<std::array<std::uint32_t, 3>> undecided_faces;  // lower, upper, axis
-};
-
-Joins join_cells(const OctreeView& octree) {
-  Joins joins{UnionFind(octree.nodes.size()), UnionFind(octree.nodes.size()), {}};
-  for_each_face_pair(octree,
-                     [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a, int depth_b) {
-                       const OctreeNode &lower = octree.nodes[a], &upper = octree.nodes[b];
-                       const Content shared = shared_content(lower, upper, axis, depth_a, depth_b);
-                       if (shared == Content::kEmpty) return;
-                       joins.possible.unite(a, b);
-                       if (is_unresolved(lower) || is_unresolved(upper)) return;
-                       if (shared == Content::kUndecided)
-                         joins.undecided_faces.push_back({a, b, static_cast<std::uint32_t>(axis)});
-                       else
-                         joins.certain.unite(a, b);
-                     });
-  return joins;
+// The box of one leaf. Slow: for the few that are reported.
+Box box_of_leaf(const Tree& tree, std::uint32_t node) {
+  Box found;
+  for_each_leaf_of(tree, [&](std::uint32_t n, int, const Box& box) {
+    if (n == node) found = box;
+  });
+  return found;
 }
 
-// The component of an unresolved cell, for rendering: that of a neighbour it may belong to (the
-// largest).
-void adopt_unresolved(const OctreeView& octree, std::vector<OctreeNode>& nodes) {
-  bool changed = true;
-  while (changed) {
-    changed = false;
-    for_each_face_pair(
-        octree, [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a, int depth_b) {
-          if (shared_content(nodes[a], nodes[b], axis, depth_a, depth_b) == Content::kEmpty) return;
-          for (const auto& [cell, other] : {std::pair{a, b}, std::pair{b, a}}) {
-            if (!is_unresolved(nodes[cell]) || nodes[other].component >= nodes[cell].component)
-              continue;
-            nodes[cell].component = nodes[other].component;
-            changed = true;
-          }
-        });
+// All trees' pieces under one numbering.
+class Labelling {
+ public:
+  Labelling(Forest& forest, const Execution& execution)
+      : forest_(forest),
+        pairs_(neighbouring_trees(forest)),
+        trees_(forest.trees.size()),
+        between_(pairs_.size()),
+        first_(forest.trees.size() + 1, 0) {
+    std::atomic<std::size_t> finished{0};
+    const auto check = [&] {
+      if (execution.cancel != nullptr && execution.cancel->load(std::memory_order_relaxed))
+        throw Cancelled();
+    };
+    tbb::parallel_for(std::size_t{0}, trees_.size(), [&](std::size_t t) {
+      check();
+      trees_[t] = label_tree(forest_.trees[t], forest_.box);
+      ++finished;
+    });
+    tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t n) {
+      check();
+      between_[n] = label_pair(forest_.trees[pairs_[n].lower], forest_.trees[pairs_[n].upper],
+                               pairs_[n].axis);
+      ++finished;
+    });
+    // As in TreeBuilder::build.
+    if (finished != trees_.size() + pairs_.size()) throw Cancelled();
+    for (std::size_t t = 0; t < trees_.size(); ++t)
+      first_[t + 1] = first_[t] + static_cast<std::uint32_t>(trees_[t].pieces.size());
   }
+
+  std::uint32_t count() const { return first_.back(); }
+  const std::vector<TreeLabels>& trees() const { return trees_; }
+  std::uint32_t piece(std::size_t tree, std::uint32_t local) const { return first_[tree] + local; }
+
+  UnionFind certain_joins() const {
+    UnionFind joins(count());
+    for (std::size_t n = 0; n < pairs_.size(); ++n)
+      for (const auto& [a, b] : between_[n].certain)
+        joins.unite(piece(pairs_[n].lower, a), piece(pairs_[n].upper, b));
+    return joins;
+  }
+
+  // visit(piece, piece) for joins that are possible only.
+  template <class Visit>
+  void for_each_possible(Visit&& visit) const {
+    for (std::size_t t = 0; t < trees_.size(); ++t)
+      for (const auto& [a, b] : trees_[t].possible) visit(piece(t, a), piece(t, b));
+    for (std::size_t n = 0; n < pairs_.size(); ++n)
+      for (const auto& [a, b] : between_[n].possible)
+        visit(piece(pairs_[n].lower, a), piece(pairs_[n].upper, b));
+  }
+
+  // The rectangles, and how many there are.
+  std::uint64_t undecided_faces(std::vector<Box>& out, std::size_t at_most) const {
+    std::uint64_t all = 0;
+    const auto add = [&](const Tree& lower, std::uint32_t a, const Tree& upper, std::uint32_t b,
+                         int axis) {
+      ++all;
+      if (out.size() < at_most)
+        out.push_back(shared_rectangle(box_of_leaf(lower, a), box_of_leaf(upper, b), axis));
+    };
+    for (std::size_t t = 0; t < trees_.size(); ++t)
+      for (const auto& [a, b, axis] : trees_[t].undecided_faces)
+        add(forest_.trees[t], a, forest_.trees[t], b, static_cast<int>(axis));
+    for (std::size_t n = 0; n < pairs_.size(); ++n)
+      for (const auto& [a, b] : between_[n].undecided_faces)
+        add(forest_.trees[pairs_[n].lower], a, forest_.trees[pairs_[n].upper], b, pairs_[n].axis);
+    return all;
+  }
+
+  // Writes id[piece] as the component of every leaf.
+  void write(const std::vector<std::uint32_t>& id) {
+    tbb::parallel_for(std::size_t{0}, trees_.size(), [&](std::size_t t) {
+      for (OctreeNode& node : forest_.trees[t].nodes)
+        if (node.is_leaf() && node.component != kNoComponent)
+          node.component = id[piece(t, node.component)];
+    });
+  }
+
+ private:
+  Forest& forest_;
+  std::vector<TreePair> pairs_;
+  std::vector<TreeLabels> trees_;
+  std::vector<PairLabels> between_;
+  std::vector<std::uint32_t> first_;
+};
+
+// The sums of volumes, rounded outward.
+void widen_volumes(Component& c) {
+  const double unit = std::numeric_limits<double>::epsilon() * static_cast<double>(c.cells);
+  c.volume_lo -= unit * c.volume_lo;
+  c.volume_hi += unit * c.volume_hi;
 }
 
 }  // namespace
 
-void label_components(const ScalarField& field, Topology& topology) {
-  const OctreeView octree = topology.octree();
-  std::vector<OctreeNode>& nodes = topology.nodes;
-  Joins joins = join_cells(octree);
-
-  // One row per set of certainly joined cells, in order of the sets' first cells.
-  std::map<std::uint32_t, std::uint32_t> row_of_root;
-  std::vector<Component> rows;
-  std::vector<double> full_volume;
-  std::vector<std::uint32_t> row(nodes.size(), kNoComponent);
-  std::vector<bool> solid_group(nodes.size(), false);
-  std::map<std::uint32_t, Box>
-      special;  // boxes of unresolved cells and of cells at undecided faces
-  for (const auto& face : joins.undecided_faces) {
-    special.emplace(face[0], Box());
-    special.emplace(face[1], Box());
+void label_components(const ScalarField& field, Forest& forest, const Execution& execution,
+                      Topology& topology) {
+  Labelling labelling(forest, execution);
+  const std::uint32_t count = labelling.count();
+  UnionFind certain = labelling.certain_joins();
+  for (const TreeLabels& tree : labelling.trees()) {
+    topology.leaves += tree.leaves;
+    topology.depth = std::max(topology.depth, tree.depth);
+    if (!topology.touches_box) topology.touches_box = tree.touches;
   }
-  std::vector<std::uint32_t> root_row(nodes.size(), kNoComponent);
-  octree.for_each_leaf([&](const OctreeView::Leaf& leaf) {
-    ++topology.leaves;
-    topology.depth = std::max(topology.depth, leaf.depth);
-    const OctreeNode& node = nodes[leaf.node];
-    if (is_unresolved(node)) {
-      special[leaf.node] = leaf.box;
-    } else if (const auto it = special.find(leaf.node); it != special.end()) {
-      it->second = leaf.box;
-    }
-    if (node.cell_content() != Content::kEmpty && !topology.touches_box) {
-      for (int axis = 0; axis < 3; ++axis) {
-        for (int side = 0; side < 2; ++side) {
-          const double plane = side == 0 ? topology.box.min[axis] : topology.box.max[axis];
-          const double own = side == 0 ? leaf.box.min[axis] : leaf.box.max[axis];
-          if (own != plane || node.face_content(axis, side) == Content::kEmpty) continue;
-          Imath::V3d place = centre(leaf.box);
-          place[axis] = plane;
-          topology.touches_box = place;
-        }
+
+  // One row per set of certainly joined pieces that hold solid, in order of the sets' first pieces.
+  std::vector<std::uint32_t> row(count, kNoComponent);
+  std::vector<bool> unresolved(count, false);
+  std::vector<Component> rows;
+  for (std::size_t t = 0; t < labelling.trees().size(); ++t) {
+    const TreeLabels& tree = labelling.trees()[t];
+    for (std::uint32_t i = 0; i < tree.pieces.size(); ++i) {
+      const std::uint32_t piece = labelling.piece(t, i), root = certain.find(piece);
+      if (tree.unresolved[i]) {
+        unresolved[piece] = true;
+        continue;
       }
+      if (row[root] == kNoComponent) {
+        row[root] = static_cast<std::uint32_t>(rows.size());
+        rows.emplace_back();
+      }
+      row[piece] = row[root];
+      merge(rows[row[piece]], tree.pieces[i]);
     }
-    if (!holds_solid(node)) return;
-    const std::uint32_t root = joins.certain.find(leaf.node);
-    if (root_row[root] == kNoComponent) {
-      root_row[root] = static_cast<std::uint32_t>(rows.size());
-      rows.emplace_back();
-    }
-    row[leaf.node] = root_row[root];
-    solid_group[joins.possible.find(leaf.node)] = true;
-    Component& c = rows[row[leaf.node]];
-    const Imath::V3d size = leaf.box.max - leaf.box.min;
-    const double volume = size.x * size.y * size.z;
-    const bool full = node.cell_content() == Content::kFull;
-    // The largest full cell is the most inward place known; without one, any cell's centre.
-    if (c.cells == 0 || (full && volume > c.seed_volume)) {
-      c.seed = centre(leaf.box);
-      if (full) c.seed_volume = volume;
-    }
-    ++c.cells;
-    c.bounds.extendBy(leaf.box);
-    c.volume_hi += volume;
-    if (full) c.volume_lo += volume;
-  });
+  }
+  for (Component& c : rows) widen_volumes(c);
 
   std::vector<std::uint32_t> order(rows.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return rows[a].volume_lo + rows[a].volume_hi > rows[b].volume_lo + rows[b].volume_hi;
   });
-  std::vector<std::uint32_t> id(rows.size());
+  std::vector<std::uint32_t> id_of_row(rows.size());
   topology.components.clear();
   for (std::uint32_t i = 0; i < order.size(); ++i) {
-    id[order[i]] = i;
+    id_of_row[order[i]] = i;
     topology.components.push_back(rows[order[i]]);
   }
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    nodes[i].component = row[i] == kNoComponent ? kNoComponent : id[row[i]];
+  std::vector<std::uint32_t> id(count, kNoComponent);
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (row[i] != kNoComponent) id[i] = id_of_row[row[i]];
 
   // Bounds of the count: see topology/README.md.
-  std::uint64_t lower = 0;
-  for (std::uint32_t i = 0; i < nodes.size(); ++i)
-    if (solid_group[i] && joins.possible.find(i) == i) ++lower;
-  topology.components_lo = lower;
+  UnionFind possible = certain;
+  labelling.for_each_possible([&](std::uint32_t a, std::uint32_t b) { possible.unite(a, b); });
+  std::vector<bool> solid_group(count, false);
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (!unresolved[i]) solid_group[possible.find(i)] = true;
+  topology.components_lo =
+      static_cast<std::uint64_t>(std::count(solid_group.begin(), solid_group.end(), true));
   std::optional<std::uint64_t> upper = topology.components.size();
-  for (const auto& [node, box] : special) {
-    if (!is_unresolved(nodes[node])) continue;
-    ++topology.unresolved_cells;
-    if (topology.unresolved.size() < kListed)
-      topology.unresolved.push_back({box, field.value(centre(box))});
-    // A maximum on the domain's own boundary need not be a critical point.
-    const int maxima = topology.touches_box ? -1 : possible_maxima(field, box);
-    if (maxima < 0)
-      upper.reset();
-    else if (upper)
-      *upper += static_cast<std::uint64_t>(maxima);
+  for (const TreeLabels& tree : labelling.trees()) {
+    for (const auto& [piece, box] : tree.unresolved_cells) {
+      ++topology.unresolved_cells;
+      if (topology.unresolved.size() < kListed)
+        topology.unresolved.push_back({box, field.value(centre(box))});
+      // A maximum on the domain's own boundary need not be a critical point.
+      const int maxima = topology.touches_box || !upper ? -1 : possible_maxima(field, box);
+      if (maxima < 0)
+        upper.reset();
+      else
+        *upper += static_cast<std::uint64_t>(maxima);
+    }
   }
   topology.components_hi = upper;
-  topology.unresolved_faces = joins.undecided_faces.size();
-  for (const auto& face : joins.undecided_faces) {
-    if (topology.unresolved.size() >= kListed) break;
-    const Box rectangle =
-        shared_rectangle(special[face[0]], special[face[1]], static_cast<int>(face[2]));
-    topology.unresolved.push_back({rectangle, field.value(centre(rectangle))});
-  }
+  std::vector<Box> faces;
+  topology.unresolved_faces =
+      labelling.undecided_faces(faces, kListed - topology.unresolved.size());
+  for (const Box& face : faces) topology.unresolved.push_back({face, field.value(centre(face))});
   topology.certified = topology.unresolved_cells == 0 && topology.unresolved_faces == 0;
-  if (topology.unresolved_cells > 0) adopt_unresolved(octree, nodes);
+
+  // For rendering, an unresolved cell belongs to a neighbour that it may belong to (the largest).
+  for (bool changed = topology.unresolved_cells > 0; changed;) {
+    changed = false;
+    labelling.for_each_possible([&](std::uint32_t a, std::uint32_t b) {
+      for (const auto& [cell, other] : {std::pair{a, b}, std::pair{b, a}}) {
+        if (!unresolved[cell] || id[other] >= id[cell]) continue;
+        id[cell] = id[other];
+        changed = true;
+      }
+    });
+  }
+  labelling.write(id);
 }
 
 }  // namespace morsel::topology

@@ -7,6 +7,7 @@
 
 #include "topology/box.h"
 #include "topology/local_model.h"
+#include "topology/model_batch.h"
 
 namespace morsel::topology {
 
@@ -34,6 +35,14 @@ class ScalarField {
   // A cubic polynomial about the box's centre with bounds on its distance from F that hold
   // everywhere on the closed box, rounding included. A box without extent along an axis is allowed.
   virtual LocalModel model(const Box& box) const = 0;
+
+  // The models of those of the box's eight children whose bit is set in `wanted`, as model(child)
+  // would give them up to rounding. Worth overriding where vector instructions make eight models
+  // cheaper together than one by one.
+  virtual void child_models(const Box& box, unsigned wanted, ModelBatch& out) const {
+    for (int i = 0; i < ModelBatch::kSize; ++i)
+      if ((wanted >> i) & 1u) out.set(i, model(child_box(box, i)));
+  }
 
   // A field that equals F on `box` (and nowhere else need it be defined), cheaper to evaluate
   // there. Calls on boxes within `box` may be chained.

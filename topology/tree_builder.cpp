@@ -3,18 +3,33 @@
 
 #include <tbb/parallel_for.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "topology/adjacency.h"
 #include "topology/cascade.h"
+#include "topology/checkpoint.h"
 
 namespace morsel::topology {
 namespace {
 
-// Cells above this depth are tasks of their own; 8^5 tasks are plenty for any machine and each is
-// long enough to be worth stealing.
-constexpr int kTaskDepth = 5;
+// Depth of the trees: at most 8^4, plenty for any machine, and each long enough to be worth
+// stealing.
+constexpr int kTreeDepth = 4;
+constexpr unsigned kAllChildren = 0xffu;
+
+bool may_hold_surface(Content content) {
+  return content == Content::kConnected || content == Content::kUndecided;
+}
+
+OctreeNode leaf_without_surface(Content content) {
+  OctreeNode node;
+  node.content = static_cast<std::uint8_t>(content);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) node.set_face_content(axis, side, content);
+  return node;
+}
 
 }  // namespace
 
@@ -30,167 +45,224 @@ void TreeBuilder::report(double volume) {
   execution_.progress(done_, "labelling");
 }
 
-OctreeNode TreeBuilder::classify_cell(const ScalarField& field, const Box& cell, int depth,
-                                      bool& divide) {
-  models_.fetch_add(1, std::memory_order_relaxed);
-  const LocalModel model = field.model(cell);
-  const Content content = classify(model);
-  OctreeNode node;
-  node.content = static_cast<std::uint8_t>(content);
-  const bool holds_surface = content == Content::kConnected || content == Content::kUndecided;
-  divide = holds_surface && (depth < options_.min_depth ||
-                             (content == Content::kUndecided && depth < options_.max_depth));
-  if (divide) return node;
-  if (holds_surface) {
-    classify_faces(model, node);
-  } else {
-    for (int axis = 0; axis < 3; ++axis)
-      for (int side = 0; side < 2; ++side) node.set_face_content(axis, side, content);
-  }
-  return node;
+void TreeBuilder::charge(const Tree& tree, std::size_t nodes_before) {
+  // Each node is there twice when the octree is put together.
+  constexpr std::uint64_t kEach = 2 * sizeof(OctreeNode);
+  const std::uint64_t added = tree.nodes.size() - nodes_before;
+  const std::uint64_t nodes = nodes_.fetch_add(added, std::memory_order_relaxed) + added;
+  if (execution_.max_bytes != 0 && nodes * kEach > execution_.max_bytes)
+    throw MemoryLimit(execution_.max_bytes, nodes);
 }
 
-void TreeBuilder::grow(const ScalarField& field, const Box& cell, int depth,
-                       std::vector<OctreeNode>& nodes, std::size_t index) {
-  bool divide = false;
-  OctreeNode node = classify_cell(field, cell, depth, divide);
-  if (!divide) {
-    nodes[index] = node;
-    return;
-  }
-  const std::unique_ptr<ScalarField> local = field.restricted_to(cell);
-  node.first_child = static_cast<std::uint32_t>(nodes.size());
-  nodes[index] = node;
-  nodes.resize(nodes.size() + 8);
-  for (int i = 0; i < 8; ++i)
-    grow(*local, child_box(cell, i), depth + 1, nodes,
-         node.first_child + static_cast<std::uint32_t>(i));
+bool TreeBuilder::must_divide(Content content, int depth) const {
+  return may_hold_surface(content) &&
+         (depth < options_.min_depth ||
+          (content == Content::kUndecided && depth < options_.max_depth));
 }
 
-std::vector<OctreeNode> TreeBuilder::grow_children(const ScalarField& field, const Box& cell,
-                                                   int depth) {
-  const std::unique_ptr<ScalarField> local = field.restricted_to(cell);
-  std::array<std::vector<OctreeNode>, 8> parts;
-  tbb::parallel_for(0, 8,
-                    [&](int i) { parts[i] = grow_task(*local, child_box(cell, i), depth + 1); });
-  // When another task threw, a nested loop returns without having called its body, and the
-  // exception goes on its way from the outermost one.
-  for (const auto& part : parts)
-    if (part.empty()) throw Cancelled();
-  // Children first, so that they are neighbours; then each child's descendants.
-  std::size_t total = 0;
-  for (const auto& part : parts) total += part.size();
-  std::vector<OctreeNode> nodes;
-  nodes.reserve(total);
-  std::array<std::uint32_t, 8> shift;  // from a part's own index to the joint one
-  std::uint32_t offset = 8;
-  for (int i = 0; i < 8; ++i) {
-    shift[i] = offset - 1;
-    offset += static_cast<std::uint32_t>(parts[i].size()) - 1;
-    OctreeNode root = parts[i][0];
-    if (!root.is_leaf()) root.first_child += shift[i];
-    nodes.push_back(root);
+void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
+                         std::vector<OctreeNode>& nodes, std::uint32_t index) {
+  ModelBatch batch;
+  BatchContent content;
+  local.child_models(cell, kAllChildren, batch);
+  classify_batch(batch, kAllChildren, content);
+  models_.fetch_add(8, std::memory_order_relaxed);
+  const auto first = static_cast<std::uint32_t>(nodes.size());
+  nodes[index] = OctreeNode{};
+  nodes[index].first_child = first;
+  nodes[index].content = static_cast<std::uint8_t>(Content::kUndecided);
+  nodes.resize(first + 8);
+  unsigned divided = 0, surface = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    if (must_divide(content.cell[i], depth + 1))
+      divided |= 1u << i;
+    else if (may_hold_surface(content.cell[i]))
+      surface |= 1u << i;
   }
-  for (int i = 0; i < 8; ++i) {
-    for (std::size_t j = 1; j < parts[i].size(); ++j) {
-      OctreeNode node = parts[i][j];
-      if (!node.is_leaf()) node.first_child += shift[i];
-      nodes.push_back(node);
+  if (surface != 0) classify_batch_faces(batch, surface, content);
+  for (unsigned i = 0; i < 8; ++i) {
+    if ((divided >> i) & 1u) {
+      const Box child = child_box(cell, static_cast<int>(i));
+      divide(*local.restricted_to(child), child, depth + 1, nodes, first + i);
+    } else if ((surface >> i) & 1u) {
+      nodes[first + i].content = static_cast<std::uint8_t>(content.cell[i]);
+      nodes[first + i].faces = content.faces[i];
+    } else {
+      nodes[first + i] = leaf_without_surface(content.cell[i]);
     }
-    parts[i] = {};
   }
-  return nodes;
+  // Eight empty children say no more than one empty cell, nor do eight full ones.
+  const OctreeNode& one = nodes[first];
+  if (nodes.size() == first + 8 && !may_hold_surface(one.cell_content()) &&
+      std::all_of(nodes.begin() + first, nodes.end(),
+                  [&](const OctreeNode& n) { return n.content == one.content; })) {
+    nodes[index] = leaf_without_surface(one.cell_content());
+    nodes.resize(first);
+  }
 }
 
-std::vector<OctreeNode> TreeBuilder::grow_task(const ScalarField& field, const Box& cell,
-                                               int depth) {
+void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
   check_cancel();
-  const double volume = std::ldexp(1.0, -3 * depth);
-  std::vector<OctreeNode> nodes(1);
-  if (depth >= kTaskDepth) {
-    grow(field, cell, depth, nodes, 0);
-    report(volume);
-    return nodes;
+  if (execution_.checkpoint != nullptr) {
+    tree.nodes = execution_.checkpoint->take(index);
+    if (!tree.nodes.empty()) {
+      charge(tree, 0);
+      report(std::ldexp(1.0, -3 * tree.depth));
+      return;
+    }
   }
-  bool divide = false;
-  nodes[0] = classify_cell(field, cell, depth, divide);
-  if (!divide) {
-    report(volume);
-    return nodes;
+  const std::unique_ptr<ScalarField> local = field_.restricted_to(tree.box);
+  models_.fetch_add(1, std::memory_order_relaxed);
+  const LocalModel model = local->model(tree.box);
+  const Content content = classify(model);
+  tree.nodes.assign(1, leaf_without_surface(content));
+  if (must_divide(content, tree.depth)) {
+    divide(*local, tree.box, tree.depth, tree.nodes, 0);
+    resolve_inside(tree);
+    tree.nodes.shrink_to_fit();
+  } else if (may_hold_surface(content)) {
+    classify_faces(model, tree.nodes[0]);
   }
-  const std::vector<OctreeNode> below = grow_children(field, cell, depth);
-  nodes[0].first_child = 1;
-  nodes.reserve(below.size() + 1);
-  for (OctreeNode node : below) {
-    if (!node.is_leaf()) node.first_child += 1;
-    nodes.push_back(node);
-  }
-  return nodes;
+  charge(tree, 0);
+  if (execution_.checkpoint != nullptr &&
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() >=
+          execution_.checkpoint_after)
+    execution_.checkpoint->save(index, tree.nodes);
+  report(std::ldexp(1.0, -3 * tree.depth));
 }
 
-std::vector<OctreeNode> TreeBuilder::build() { return grow_task(field_, box_, 0); }
-
-void TreeBuilder::subdivide(std::vector<OctreeNode>& nodes, const std::vector<bool>& marked) {
-  // The marked leaves below one cell of kTaskDepth form a task: it restricts the field on its way
-  // down.
-  struct Found {
-    std::uint32_t node;
-    std::vector<OctreeNode> below;
+void TreeBuilder::divide_leaves(Tree& tree, std::span<const std::uint32_t> leaves) {
+  if (leaves.empty()) return;
+  std::vector<bool> marked(tree.nodes.size(), false);
+  for (const std::uint32_t leaf : leaves) marked[leaf] = true;
+  const auto mark_parents = [&](auto&& self, std::uint32_t node) -> bool {
+    if (tree.nodes[node].is_leaf()) return marked[node];
+    bool any = false;
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (self(self, tree.nodes[node].first_child + i)) any = true;
+    marked[node] = any;
+    return any;
   };
-  struct Task {
-    std::uint32_t node;
-    int depth;
-    Box box;
-    std::vector<Found> found;
-  };
-  std::vector<Task> tasks;
-  const auto collect = [&](auto&& self, std::uint32_t node, int depth, const Box& box) -> void {
-    if (nodes[node].is_leaf() || depth == kTaskDepth) {
-      tasks.push_back({node, depth, box, {}});
-      return;
-    }
-    for (int i = 0; i < 8; ++i)
-      self(self, nodes[node].first_child + i, depth + 1, child_box(box, i));
-  };
-  collect(collect, 0, 0, box_);
-
-  const auto any_marked = [&](auto&& self, std::uint32_t node) -> bool {
-    if (nodes[node].is_leaf()) return marked[node];
-    for (int i = 0; i < 8; ++i)
-      if (self(self, nodes[node].first_child + i)) return true;
-    return false;
-  };
+  if (!mark_parents(mark_parents, 0)) return;
+  // `field` holds on the cell's parent.
   const auto descend = [&](auto&& self, const ScalarField& field, std::uint32_t node, int depth,
-                           const Box& box, std::vector<Found>& found) -> void {
-    if (!any_marked(any_marked, node)) return;
+                           const Box& box) -> void {
     const std::unique_ptr<ScalarField> local = field.restricted_to(box);
-    if (!nodes[node].is_leaf()) {
-      for (int i = 0; i < 8; ++i)
-        self(self, *local, nodes[node].first_child + i, depth + 1, child_box(box, i), found);
+    if (tree.nodes[node].is_leaf()) {
+      divide(*local, box, depth, tree.nodes, node);
       return;
     }
-    Found f{node, std::vector<OctreeNode>(8)};
-    for (int i = 0; i < 8; ++i)
-      grow(*local, child_box(box, i), depth + 1, f.below, static_cast<std::size_t>(i));
-    found.push_back(std::move(f));
+    const std::uint32_t first = tree.nodes[node].first_child;
+    for (std::uint32_t i = 0; i < 8; ++i)
+      if (marked[first + i])
+        self(self, *local, first + i, depth + 1, child_box(box, static_cast<int>(i)));
   };
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+  descend(descend, field_, 0, tree.depth, tree.box);
+}
+
+void TreeBuilder::resolve_inside(Tree& tree) {
+  std::vector<std::uint32_t> leaves;
+  do {
+    leaves.clear();
+    const auto visit = [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a, int depth_b) {
+      const Remedy remedy =
+          remedy_of(tree.nodes[a], tree.nodes[b], axis, depth_a, depth_b, options_.max_depth);
+      if (remedy != Remedy::kNone) leaves.push_back(remedy == Remedy::kDivideLower ? a : b);
+    };
+    faces_inside(tree.nodes, 0, tree.depth, visit);
+    divide_leaves(tree, leaves);
+  } while (!leaves.empty());
+}
+
+void TreeBuilder::resolve_between(Forest& forest) {
+  const std::vector<TreePair> pairs = neighbouring_trees(forest);
+  std::vector<bool> changed(forest.trees.size(), true);
+  for (bool any = true; any;) {
     check_cancel();
-    Task& task = tasks[i];
-    descend(descend, field_, task.node, task.depth, task.box, task.found);
-  });
-  for (const Task& task : tasks) {
-    for (const Found& f : task.found) {
-      const auto shift = static_cast<std::uint32_t>(nodes.size());
-      nodes[f.node] = OctreeNode{};
-      nodes[f.node].first_child = shift;
-      nodes[f.node].content = static_cast<std::uint8_t>(Content::kUndecided);
-      for (OctreeNode node : f.below) {
-        if (!node.is_leaf()) node.first_child += shift;
-        nodes.push_back(node);
-      }
+    // What each pair finds, so that the result does not depend on the order of the pairs.
+    struct Found {
+      std::vector<std::uint32_t> lower, upper;
+    };
+    std::vector<Found> found(pairs.size());
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t n) {
+      const TreePair& pair = pairs[n];
+      if (!changed[pair.lower] && !changed[pair.upper]) return;
+      const Tree &lower = forest.trees[pair.lower], &upper = forest.trees[pair.upper];
+      const auto visit = [&](std::uint32_t a, std::uint32_t b, int axis, int depth_a, int depth_b) {
+        const Remedy remedy =
+            remedy_of(lower.nodes[a], upper.nodes[b], axis, depth_a, depth_b, options_.max_depth);
+        if (remedy == Remedy::kDivideLower) found[n].lower.push_back(a);
+        if (remedy == Remedy::kDivideUpper) found[n].upper.push_back(b);
+      };
+      faces_across(lower.nodes, 0, upper.nodes, 0, pair.axis, lower.depth, upper.depth, visit);
+    });
+    std::vector<std::vector<std::uint32_t>> leaves(forest.trees.size());
+    for (std::size_t n = 0; n < pairs.size(); ++n) {
+      auto& lower = leaves[pairs[n].lower];
+      lower.insert(lower.end(), found[n].lower.begin(), found[n].lower.end());
+      auto& upper = leaves[pairs[n].upper];
+      upper.insert(upper.end(), found[n].upper.begin(), found[n].upper.end());
     }
+    any = false;
+    for (std::size_t t = 0; t < leaves.size(); ++t) {
+      changed[t] = !leaves[t].empty();
+      any = any || changed[t];
+    }
+    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t t) {
+      if (leaves[t].empty()) return;
+      Tree& tree = forest.trees[t];
+      const std::size_t before = tree.nodes.size();
+      divide_leaves(tree, leaves[t]);
+      resolve_inside(tree);
+      charge(tree, std::min(before, tree.nodes.size()));
+    });
   }
+}
+
+Forest TreeBuilder::plan() {
+  Forest forest;
+  forest.box = box_;
+  forest.upper.resize(1);
+  const auto descend = [&](auto&& self, std::uint32_t node, const Tree& cell) -> void {
+    bool ends = cell.depth == kTreeDepth;
+    if (!ends) {
+      models_.fetch_add(1, std::memory_order_relaxed);
+      ends = !must_divide(classify(field_.model(cell.box)), cell.depth);
+    }
+    if (ends) {
+      forest.upper[node].tree = static_cast<std::uint32_t>(forest.trees.size());
+      forest.trees.push_back(cell);
+      return;
+    }
+    const auto first = static_cast<std::uint32_t>(forest.upper.size());
+    forest.upper[node].first_child = first;
+    forest.upper.resize(first + 8);
+    for (unsigned i = 0; i < 8; ++i) {
+      Tree child;
+      child.box = child_box(cell.box, static_cast<int>(i));
+      child.depth = cell.depth + 1;
+      for (int axis = 0; axis < 3; ++axis)
+        child.place[axis] = 2 * cell.place[axis] + ((i >> axis) & 1u);
+      self(self, first + i, child);
+    }
+  };
+  Tree root;
+  root.box = box_;
+  descend(descend, 0, root);
+  return forest;
+}
+
+Forest TreeBuilder::build() {
+  check_cancel();
+  Forest forest = plan();
+  tbb::parallel_for(std::size_t{0}, forest.trees.size(),
+                    [&](std::size_t i) { grow(static_cast<std::uint32_t>(i), forest.trees[i]); });
+  // When the loop is within another that was cancelled, it may return without having called its
+  // body, and the exception goes on its way from the outer one.
+  for (const Tree& tree : forest.trees)
+    if (tree.nodes.empty()) throw Cancelled();
+  resolve_between(forest);
+  return forest;
 }
 
 }  // namespace morsel::topology

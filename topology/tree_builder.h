@@ -2,11 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "topology/certified.h"
+#include "topology/forest.h"
 
 namespace morsel::topology {
 
@@ -18,23 +21,29 @@ class TreeBuilder {
               const Execution& execution)
       : field_(field), box_(box), options_(options), execution_(execution) {}
 
-  // The whole tree; node 0 is the root.
-  std::vector<OctreeNode> build();
-
-  // Subdivides the leaves whose `marked` flag is set, in place; new nodes are appended.
-  void subdivide(std::vector<OctreeNode>& nodes, const std::vector<bool>& marked);
+  // The whole octree: nothing is undecided above the depth limit, neither cells nor faces. Throws
+  // Cancelled and MemoryLimit.
+  Forest build();
 
   std::uint64_t models() const { return models_; }
 
  private:
-  OctreeNode classify_cell(const ScalarField& field, const Box& cell, int depth, bool& divide);
-  // Fills nodes[index] and appends its descendants.
-  void grow(const ScalarField& field, const Box& cell, int depth, std::vector<OctreeNode>& nodes,
-            std::size_t index);
-  // The children of a cell and all that is below them, each subtree in a task down to kTaskDepth.
-  std::vector<OctreeNode> grow_children(const ScalarField& field, const Box& cell, int depth);
-  std::vector<OctreeNode> grow_task(const ScalarField& field, const Box& cell, int depth);
+  // The upper part, and where the trees are.
+  Forest plan();
+  void grow(std::uint32_t index, Tree& tree);
+  // Classifies the children of nodes[index], a cell to be divided, and grows what is below them.
+  // `local` is the field restricted to the cell.
+  void divide(const ScalarField& local, const Box& cell, int depth, std::vector<OctreeNode>& nodes,
+              std::uint32_t index);
+  // Divides the leaves of the tree whose indices are given.
+  void divide_leaves(Tree& tree, std::span<const std::uint32_t> leaves);
+  // Divides leaves until no face within the tree is undecided that could be decided.
+  void resolve_inside(Tree& tree);
+  // The same for faces between trees.
+  void resolve_between(Forest& forest);
+  bool must_divide(Content content, int depth) const;
   void check_cancel() const;
+  void charge(const Tree& tree, std::size_t nodes_before);
   void report(double volume);
 
   const ScalarField& field_;
@@ -42,8 +51,10 @@ class TreeBuilder {
   const CertifyOptions& options_;
   const Execution& execution_;
   std::atomic<std::uint64_t> models_{0};
+  std::atomic<std::uint64_t> nodes_{0};
   std::mutex progress_mutex_;
   double done_ = 0.0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace morsel::topology

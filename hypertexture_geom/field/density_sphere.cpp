@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hypertexture_geom/field/radial_batch.h"
 #include "hypertexture_geom/field/radial_model.h"
 #include "hypertexture_geom/field/tape_builder.h"
 
@@ -80,6 +81,11 @@ class Sphere final : public Expression {
     sum.add(t);
     sum.add_constant(radius_, 0.0, 0.0, 0.0);
     return sum.finish();
+  }
+
+  void child_models(const Box& box, unsigned /*wanted*/, topology::ModelBatch& out) const override {
+    out.start(box);
+    child_models_of_sphere(centre_, radius_, square_, out);
   }
 
   std::unique_ptr<ScalarField> restricted_to(const Box&) const override {

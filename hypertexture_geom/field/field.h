@@ -11,6 +11,7 @@
 #include "hypertexture_geom/params/json_reader.h"
 #include "topology/cache_file.h"
 #include "topology/certified.h"
+#include "topology/morse/engine.h"
 #include "topology/scalar_field.h"
 
 namespace morsel::geom {
@@ -66,8 +67,9 @@ Hypertexture hypertexture_from_json(const nlohmann::json& json, const params::Pl
 // The declaration that hypertexture_from_json reads by.
 const params::Declaration& hypertexture_declaration();
 
-// Runs the certified engine and returns the cache, not yet written. Throws topology::Cancelled.
+// Runs the engine and returns the cache, not yet written. Throws what topology::run_engine throws.
 topology::TopologyCache build_cache(const Hypertexture& hypertexture,
-                                    const topology::Execution& execution = {});
+                                    const topology::Execution& execution = {},
+                                    const topology::EngineOptions& engine = {});
 
 }  // namespace morsel::geom

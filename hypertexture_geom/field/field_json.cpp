@@ -201,10 +201,12 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
 }
 
 topology::TopologyCache build_cache(const Hypertexture& hypertexture,
-                                    const topology::Execution& execution) {
+                                    const topology::Execution& execution,
+                                    const topology::EngineOptions& engine) {
   const auto start = std::chrono::steady_clock::now();
   topology::TopologyCache cache;
-  cache.topology = topology::certify(*hypertexture.field, hypertexture.certify, execution);
+  cache.topology = topology::run_engine(engine, *hypertexture.field, hypertexture.certify,
+                                        cache.sections, execution);
   cache.field = hypertexture.canonical;
   cache.field_hash = hypertexture.hash;
   cache.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -6,6 +6,7 @@
 
 #include "hypertexture_geom/field/impulse_model.h"
 #include "hypertexture_geom/field/impulse_process.h"
+#include "hypertexture_geom/field/radial_batch.h"
 #include "hypertexture_geom/field/radial_model.h"
 #include "hypertexture_geom/field/tape_builder.h"
 
@@ -89,6 +90,12 @@ class SparseConvolution final : public Expression {
       }
     }
     return sum.finish();
+  }
+
+  void child_models(const Box& box, unsigned wanted, topology::ModelBatch& out) const override {
+    if (unlisted_ != 0) return ScalarField::child_models(box, wanted, out);
+    out.start(box);
+    child_models_of(listed_, out);
   }
 
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {

@@ -36,6 +36,14 @@ LocalModel model_of(const ScalarField& a, const ScalarField& b, const Box& box) 
   return sum;
 }
 
+void child_models_of(const ScalarField& a, const ScalarField& b, const Box& box, unsigned wanted,
+                     topology::ModelBatch& out) {
+  topology::ModelBatch other;
+  a.child_models(box, wanted, out);
+  b.child_models(box, wanted, other);
+  out.add(other);
+}
+
 // The sum on a box where both terms have been restricted.
 class LocalSum final : public Term {
  public:
@@ -45,6 +53,9 @@ class LocalSum final : public Term {
   double value(const Imath::V3d& x) const override { return value_of(*a_, *b_, x); }
   Jet jet(const Imath::V3d& x) const override { return jet_of(*a_, *b_, x); }
   LocalModel model(const Box& box) const override { return model_of(*a_, *b_, box); }
+  void child_models(const Box& box, unsigned wanted, topology::ModelBatch& out) const override {
+    child_models_of(*a_, *b_, box, wanted, out);
+  }
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
     return std::make_unique<LocalSum>(a_->restricted_to(box), b_->restricted_to(box));
   }
@@ -65,6 +76,9 @@ class Sum final : public Expression {
   double value(const Imath::V3d& x) const override { return value_of(*a_, *b_, x); }
   Jet jet(const Imath::V3d& x) const override { return jet_of(*a_, *b_, x); }
   LocalModel model(const Box& box) const override { return model_of(*a_, *b_, box); }
+  void child_models(const Box& box, unsigned wanted, topology::ModelBatch& out) const override {
+    child_models_of(*a_, *b_, box, wanted, out);
+  }
   std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
     return std::make_unique<LocalSum>(a_->restricted_to(box), b_->restricted_to(box));
   }

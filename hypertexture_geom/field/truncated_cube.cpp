@@ -81,18 +81,23 @@ Fit fit(double r) {
   return p;
 }
 
-constexpr int kFits = 128;
+}  // namespace
 
-const std::array<Fit, kFits>& fits() {
-  static const std::array<Fit, kFits> table = [] {
-    std::array<Fit, kFits> t;
-    for (int i = 0; i < kFits; ++i) t[i] = fit((i + 0.5) / kFits);
+const TruncatedCubeTable& truncated_cube_table() {
+  static const TruncatedCubeTable table = [] {
+    TruncatedCubeTable t;
+    for (int i = 0; i < TruncatedCubeTable::kSize; ++i) {
+      const double knot = (i + 0.5) / TruncatedCubeTable::kSize;
+      const Fit f = fit(knot);
+      for (int k = 0; k < 4; ++k) t.c[k][i] = f.c[k];
+      for (int k = 0; k < 3; ++k) t.error[k][i] = f.error[k];
+      t.below[i] = knot / (1.0 - knot);
+      t.above[i] = (1.0 - knot) / knot;
+    }
     return t;
   }();
   return table;
 }
-
-}  // namespace
 
 CubicPiece truncated_cube(double q0, double lo, double hi) {
   if (hi <= 0.0) return {};
@@ -100,24 +105,25 @@ CubicPiece truncated_cube(double q0, double lo, double hi) {
   if (lo >= 0.0) return cube;
   // Take the table's interval of fixed shape that covers [lo, hi]: one end moves outward.
   const double r = -lo / (hi - lo);
-  const int i = std::min(kFits - 1, static_cast<int>(r * kFits));
-  const double knot = (i + 0.5) / kFits;
-  if (knot > r)
-    lo = -hi * knot / (1.0 - knot);
+  constexpr int kSize = TruncatedCubeTable::kSize;
+  const int i = std::min(kSize - 1, static_cast<int>(r * kSize));
+  const TruncatedCubeTable& table = truncated_cube_table();
+  if ((i + 0.5) / kSize > r)
+    lo = -hi * table.below[i];
   else
-    hi = -lo * (1.0 - knot) / knot;
-  const Fit& f = fits()[i];
+    hi = -lo * table.above[i];
+  const double c[4] = {table.c[0][i], table.c[1][i], table.c[2][i], table.c[3][i]};
   const double size = (hi - lo) * (1.0 + 1e-14);
   const double t = (q0 - lo) / size, size2 = size * size, size3 = size2 * size;
   CubicPiece piece;
-  piece.a[0] = size3 * (f.c[0] + t * (f.c[1] + t * (f.c[2] + t * f.c[3])));
-  piece.a[1] = size2 * (f.c[1] + t * (2.0 * f.c[2] + t * 3.0 * f.c[3]));
-  piece.a[2] = size * (f.c[2] + t * 3.0 * f.c[3]);
-  piece.a[3] = f.c[3];
+  piece.a[0] = size3 * (c[0] + t * (c[1] + t * (c[2] + t * c[3])));
+  piece.a[1] = size2 * (c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]));
+  piece.a[2] = size * (c[2] + t * 3.0 * c[3]);
+  piece.a[3] = c[3];
   // 1e-9 relative in the table's errors covers the rounding of the interval's ends here.
-  piece.error[0] = size3 * f.error[0];
-  piece.error[1] = size2 * f.error[1];
-  piece.error[2] = size * f.error[2];
+  piece.error[0] = size3 * table.error[0][i];
+  piece.error[1] = size2 * table.error[1][i];
+  piece.error[2] = size * table.error[2][i];
   return piece;
 }
 

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "topology/checkpoint.h"
+
 namespace morsel::render {
 namespace {
 
@@ -70,6 +72,21 @@ CacheInspection inspect_cache(const fs::path& file, const std::string& field_has
   return found;
 }
 
+std::vector<std::string> topology_warnings(const std::string& geometry,
+                                           const topology::Topology& topology) {
+  std::vector<std::string> warnings;
+  if (const auto& place = topology.touches_box)
+    warnings.push_back(
+        fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, {:.4g}) "
+                    "and is cut there",
+                    geometry, place->x, place->y, place->z));
+  if (!topology.certified)
+    warnings.push_back(
+        fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
+                    geometry, topology.unresolved_cells, topology.unresolved_faces));
+  return warnings;
+}
+
 StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
                             const topology::Execution& execution, const Warn& warn) {
   const auto known = by_hash_.find(hypertexture.hash);
@@ -105,10 +122,24 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
 
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const fs::path& file,
-    const topology::Execution& execution) {
+    const topology::Execution& execution, const topology::EngineOptions& engine) {
   prepare_folder(file);
-  topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
+  const fs::path partial = file.string() + ".partial";
+  topology::TopologyCache cache;
+  {
+    topology::Checkpoint checkpoint(partial, hypertexture.hash);
+    topology::Execution with_checkpoint = execution;
+    with_checkpoint.checkpoint = &checkpoint;
+    try {
+      cache = geom::build_cache(hypertexture, with_checkpoint, engine);
+    } catch (...) {
+      // Kept for the next build, unless there is nothing in it.
+      if (checkpoint.is_empty()) fs::remove(partial);
+      throw;
+    }
+  }
   topology::write_cache(cache, file);
+  fs::remove(partial);
   return std::make_shared<const topology::TopologyCache>(std::move(cache));
 }
 

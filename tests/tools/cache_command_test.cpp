@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -106,6 +111,88 @@ TEST_F(CacheCommandTest, InfoHasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(all["kept"], components);
   const CommandResult text = run_morsel({"cache", "info", cache_});
   EXPECT_NE(text.out.find("octree.leaves"), std::string::npos) << text.out;
+}
+
+TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
+  const json both = json::parse(build({"--engine", "both", "--json", "-o", cache_}).out)[0];
+  EXPECT_EQ(both["engine"], "both");
+  EXPECT_EQ(both["certified"], true);
+  EXPECT_EQ(both["morse"]["audit"]["agreed"], true);
+  EXPECT_EQ(both["morse"]["sets"], both["components"]);
+  EXPECT_GE(both["critical_points"]["maxima"], both["components"]);
+  int maxima = 0;
+  for (const json& c : both["component_table"]) maxima += c["maxima"].get<int>();
+  EXPECT_EQ(both["critical_points"]["maxima"], maxima);
+  // What is there serves whoever asks for certified labels, but not for the Morse engine's.
+  EXPECT_NE(build({"-o", cache_}).out.find("up to date"), std::string::npos);
+  const CommandResult morse = build({"--engine", "morse", "-o", cache_});
+  EXPECT_NE(morse.out.find("made by the engine \"both\""), std::string::npos) << morse.out;
+  EXPECT_NE(morse.out.find("NOT certified"), std::string::npos) << morse.out;
+  const json info = json::parse(run_morsel({"cache", "info", cache_, "--json"}).out);
+  EXPECT_EQ(info["components"], both["components"]);
+  EXPECT_EQ(info["critical_points"], both["critical_points"]);
+  EXPECT_EQ(build({"--engine", "guess"}).code, 2);
+}
+
+TEST_F(CacheCommandTest, ExportsCriticalPoints) {
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  const std::string csv = (folder_ / "a.csv").string(), vtp = (folder_ / "a.vtp").string(),
+                    svg = (folder_ / "a.svg").string();
+  const CommandResult none = run_morsel({"cache", "export", cache_, "--csv", "-o", csv});
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("--engine both"), std::string::npos) << none.err;
+  EXPECT_FALSE(std::filesystem::exists(csv));
+  const json both = json::parse(build({"--engine", "both", "--json", "-o", cache_}).out)[0];
+  ASSERT_EQ(run_morsel({"cache", "export", cache_, "--csv", "-o", csv}).code, 0);
+  ASSERT_EQ(run_morsel({"cache", "export", cache_, "--vtp", "-o", vtp}).code, 0);
+  ASSERT_EQ(run_morsel({"cache", "export", cache_, "--svg", "--axis", "x", "-o", svg}).code, 0);
+  EXPECT_EQ(run_morsel({"cache", "export", cache_, "-o", svg}).code, 2);
+  EXPECT_EQ(run_morsel({"cache", "export", cache_, "--svg", "--csv", "-o", svg}).code, 2);
+
+  std::ifstream table(csv);
+  std::string line;
+  std::map<std::string, int> types;
+  while (std::getline(table, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 13) << line;
+    const std::size_t comma = line.find(',') + 1;
+    ++types[line.substr(comma, line.find(',', comma) - comma)];
+  }
+  EXPECT_EQ(types["maximum"], both["critical_points"]["maxima"]);
+  EXPECT_EQ(types["2-saddle"], both["critical_points"]["saddles2"]);
+  const auto text = [](const std::string& file) {
+    std::ifstream in(file);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_NE(text(vtp).find(fmt::format("NumberOfLines=\"{}\"", 2 * types["2-saddle"])),
+            std::string::npos);
+  EXPECT_NE(text(svg).find("</svg>"), std::string::npos);
+}
+
+TEST_F(CacheCommandTest, ComparesMethods) {
+  const CommandResult result =
+      run_morsel({"cache", "compare", scene_, "--resolution", "16,64", "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json rows = json::parse(result.out);
+  ASSERT_EQ(rows.size(), 6u);
+  EXPECT_EQ(rows[0]["engine"], "certified");
+  EXPECT_EQ(rows[0]["certified"], true);
+  EXPECT_EQ(rows[1]["components"], rows[0]["components"]);
+  for (std::size_t i = 2; i < 6; ++i) EXPECT_EQ(rows[i]["certified"], false);
+  EXPECT_EQ(run_morsel({"cache", "compare", scene_, "--resolution", "1"}).code, 2);
+}
+
+TEST_F(CacheCommandTest, ASurfaceThatIsCutIsAWarningWithThePlace) {
+  const std::vector<std::string> cut{"cache", "build", scene_, "--set",
+                                     "geometries.rock.bounds={\"min\": [-2.5, -2.5, -2.5], "
+                                     "\"max\": [0, 2.5, 2.5]}"};
+  for (int n = 0; n < 2; ++n) {  // whether it is built or was there
+    const CommandResult result = run_morsel(cut);
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.err.find("\"rock\": its surface reaches its bounds near (0, "),
+              std::string::npos)
+        << result.err;
+  }
+  EXPECT_EQ(build().err.find("reaches its bounds"), std::string::npos);
 }
 
 TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {

@@ -177,6 +177,49 @@ TEST(Certified, DoesNotDependOnThreadsOrOrigin) {
   }
 }
 
+// The surface touches planes of the octree from one side, in single points.
+TEST(Certified, SurfacesTangentToOctreePlanes) {
+  // F = 0 at exactly 1/2 from the centre: (1 - 1/4)^3 = 27/64.
+  const double level = 27.0 / 64.0;
+  const Topology one = certify_in(Blobs({{0, 0, 0}}, 1.0, level), cube(1.0));
+  EXPECT_EQ(one.components.size(), 1u);
+  EXPECT_LE(one.components_lo, 1u);
+  if (one.components_hi) {
+    EXPECT_GE(*one.components_hi, 1u);
+  }
+  // Two that touch one another in the plane between them, where F is 2 27/64 - 27/32 = 0: one
+  // component in truth, and two are never certified. A little apart they are two.
+  for (const double gap : {0.0, 1e-3}) {
+    const Topology two =
+        certify_in(Blobs({{-0.5 - gap, 0, 0}, {0.5 + gap, 0, 0}}, 1.0, 2.0 * level), cube(2.0));
+    const std::uint64_t truth = gap == 0.0 ? 1 : 2;
+    EXPECT_LE(two.components_lo, truth);
+    if (two.components_hi) {
+      EXPECT_GE(*two.components_hi, truth);
+    }
+    if (two.certified) {
+      EXPECT_EQ(two.components.size(), truth);
+    }
+  }
+}
+
+TEST(Certified, WithoutNoiseAndWithoutSurface) {
+  const auto flat = geom::testing::field_of(geom::testing::eq13_json(3, 3, 0.0));
+  const Topology ball = certify_in(*flat, cube(1.5));
+  EXPECT_TRUE(ball.certified);
+  EXPECT_EQ(ball.components.size(), 1u);
+  const auto field = geom::testing::field_of(geom::testing::eq13_json(2, 3, 0.1));
+  const Topology inside = certify_in(*field, cube(0.2));
+  EXPECT_TRUE(inside.certified);
+  EXPECT_EQ(inside.components.size(), 1u);
+  EXPECT_TRUE(inside.touches_box.has_value());
+  const Topology outside = certify_in(*field, cube(1.0, Imath::V3d(5.0, 4.0, 3.0)));
+  EXPECT_TRUE(outside.certified);
+  EXPECT_EQ(outside.components.size(), 0u);
+  EXPECT_EQ(outside.leaves, 1u);
+  EXPECT_FALSE(outside.touches_box.has_value());
+}
+
 TEST(Certified, ReportsSolidThatTheBoxCuts) {
   const auto field = geom::testing::field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
   const Topology t = certify_in(*field, Box(Imath::V3d(-2.0), Imath::V3d(2.0, 2.0, 0.5)));

@@ -11,6 +11,7 @@
 #include "topology/morse/classify.h"
 #include "topology/morse/membership.h"
 #include "topology/morse/morse_complex.h"
+#include "topology/morse/perturbed_field.h"
 #include "topology/morse/subdivision.h"
 #include "topology/morse/zero.h"
 
@@ -177,6 +178,30 @@ TEST(Morse, APatchOfATriplyPeriodicLattice) {
 TEST(Morse, PlateausAreRefused) {
   EXPECT_THROW(complex_of(Constant(1.0), cube(1.0)), NotIsolated);
   EXPECT_TRUE(complex_of(Constant(-1.0), cube(1.0)).points.empty());
+}
+
+// The middle circle of a torus is a curve of critical points; a perturbation leaves a maximum and a
+// 2-saddle of it.
+TEST(Morse, ATorusNeedsAPerturbation) {
+  const auto field = geom::testing::field_of(
+      {{"density",
+        {{"type", "torus"}, {"major_radius", 1.0}, {"minor_radius", 0.4}, {"smoothing", 0.1}}}});
+  EXPECT_THROW(complex_of(*field, cube(2.0)), NotIsolated);
+  MorseOptions options;
+  options.box = cube(2.0);
+  options.perturbation = 1e-2;
+  const MorseComplex c = morse_complex(*field, options);
+  EXPECT_TRUE(c.resolved());
+  EXPECT_EQ(counts(c), (Counts{1, 1, 0, 0}));
+  ASSERT_EQ(c.sets.size(), 1u);
+  EXPECT_EQ(c.sets[0].euler(), 0);
+  const PerturbedField tilted = perturbed(*field, options.box, 1e-2);
+  for (const CriticalPoint& p : c.points) {
+    EXPECT_LT(tilted.jet(p.position).gradient.length(), 1e-9);
+    EXPECT_NEAR(p.value, field->value(p.position), 1e-2);
+  }
+  options.perturbation = -1.0;
+  EXPECT_THROW(morse_complex(*field, options), std::invalid_argument);
 }
 
 TEST(Morse, DoesNotDependOnThreads) {

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <stdexcept>
 
+#include "topology/morse/perturbed_field.h"
 #include "topology/morse/segment.h"
 #include "topology/morse/separatrix.h"
 #include "topology/morse/subdivision.h"
@@ -24,6 +27,16 @@ std::uint64_t MorseComplex::count(CriticalType type) const {
 
 MorseComplex morse_complex(const ScalarField& field, const MorseOptions& options,
                            const Execution& execution) {
+  if (!(options.perturbation >= 0.0) || !std::isfinite(options.perturbation))
+    throw std::invalid_argument("a perturbation must be finite and not negative");
+  if (options.perturbation > 0.0) {
+    MorseOptions plain = options;
+    plain.perturbation = 0.0;
+    MorseComplex complex =
+        morse_complex(perturbed(field, options.box, options.perturbation), plain, execution);
+    complex.perturbation = options.perturbation;
+    return complex;
+  }
   MorseComplex complex;
   complex.box = options.box;
   auto start = std::chrono::steady_clock::now();

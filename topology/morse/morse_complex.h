@@ -54,6 +54,7 @@ struct MorseComplex {
   // Bounds of the number of sets, whatever the lost ascents of 2-saddles would have joined.
   std::uint64_t sets_lo = 0, sets_hi = 0;
 
+  double perturbation = 0.0;            // as asked for
   std::uint64_t boxes = 0, models = 0;  // work of the subdivision
   double seconds_points = 0.0, seconds_separatrices = 0.0;
 
@@ -66,6 +67,9 @@ struct MorseOptions {
   int max_depth = 24;
   std::vector<Imath::V3d> seeds;  // see SubdivisionOptions
   bool paths = false;             // keep the separatrices' paths
+  // Look at F plus a linear term that is at most this on the box, which makes a field with ridges
+  // or plateaus a Morse function (see perturbed_field.h). Values and sets are then of that field.
+  double perturbation = 0.0;
 };
 
 // The paper's engine: subdivision, separatrices, segmentation. The result does not depend on the

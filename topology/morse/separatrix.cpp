@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "topology/morse/basin.h"
 #include "topology/morse/classify.h"
@@ -45,13 +46,13 @@ struct Arrival {
 
 Arrival follow(StreamlineTracer& tracer, const std::vector<CriticalPoint>& points,
                const MaximumFinder& maxima, std::uint32_t from, const Imath::V3d& direction,
-               bool record) {
+               bool record, std::span<const double> tolerances = kTolerances) {
   Arrival arrival;
   arrival.lost = {from, points[from].position, "F doesn't grow along the eigenvector"};
   const auto start = leave(tracer, points[from], direction);
   if (!start) return arrival;
-  for (const double tolerance : kTolerances) {
-    StreamlineOptions options;
+  StreamlineOptions options;
+  for (const double tolerance : tolerances) {
     options.tolerance = tolerance;
     options.record = record;
     Streamline line = tracer.ascend(*start, options);
@@ -61,6 +62,7 @@ Arrival follow(StreamlineTracer& tracer, const std::vector<CriticalPoint>& point
       if (record) arrival.path.insert(arrival.path.begin(), points[from].position);
       return arrival;
     }
+    options.max_steps *= 8;  // along a ridge that hardly rises steps are short
     arrival.lost.last = line.last;
     arrival.lost.reason = to_string(line.end);
   }
@@ -80,10 +82,10 @@ Arrival ascend_anyhow(StreamlineTracer& tracer, const std::vector<CriticalPoint>
     Imath::V3d direction = eigen.vectors[2] * std::cos(angle) + eigen.vectors[1] * std::sin(angle);
     if (points[from].type == CriticalType::kMinimum)
       direction = (direction + eigen.vectors[0] * std::sin(3.1 * angle)).normalized();
-    arrival = follow(tracer, points, maxima, from, direction, false);
-    if (arrival.maximum != Separatrix::kNoMaximum) break;
+    arrival = follow(tracer, points, maxima, from, direction, false, std::span(kTolerances, 1));
+    if (arrival.maximum != Separatrix::kNoMaximum) return arrival;
   }
-  return arrival;
+  return follow(tracer, points, maxima, from, points[from].axis, false);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ constexpr double kReach = 1.0 / 96.0;        // of the box: where the field is r
 constexpr double kLongestStep = 1.0 / 96.0;  // of the box
 constexpr double kFirstStep = 1e-4;          // of the box
 constexpr int kSamples = 4;                  // places of a step where a basin is looked for
+constexpr double kSpacing = 1.0 / 1024.0;    // of the box, at least, between points of a path
 constexpr int kRestarts = 8;                 // with shorter steps, where F didn't grow
 
 Imath::V3d vector(const State& s) { return {s[0], s[1], s[2]}; }
@@ -54,7 +55,12 @@ Jet StreamlineTracer::jet(const Imath::V3d& x) {
 Streamline StreamlineTracer::ascend(const Imath::V3d& start, const StreamlineOptions& options) {
   Streamline line;
   line.last = start;
-  if (options.record) line.path.push_back(start);
+  const auto record = [&](const Imath::V3d& x) {
+    if (!options.record) return;
+    if (line.path.empty() || (x - line.path.back()).length() >= kSpacing * size_)
+      line.path.push_back(x);
+  };
+  record(start);
   const auto arrived = [&](const Imath::V3d& x) {
     const auto maximum = maxima_.basin_of(x);
     if (!maximum) return false;
@@ -109,7 +115,7 @@ Streamline StreamlineTracer::ascend(const Imath::V3d& start, const StreamlineOpt
       if (i < kSamples)
         stepper.calc_state(
             interval.first + (interval.second - interval.first) * i / double{kSamples}, s);
-      if (options.record) line.path.push_back(vector(s));
+      record(vector(s));
       if (arrived(vector(s))) return line;
     }
     line.last = next;

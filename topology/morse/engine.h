@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "topology/certified.h"
+#include "topology/morse/morse_complex.h"
+#include "topology/section_file.h"
+
+namespace morsel::topology {
+
+// Who labels the components.
+enum class Engine {
+  kCertified,  // the octree's cells, joined where that is proved
+  kMorse,      // the paper: critical points and separatrices; cells get their labels by ascents
+  kBoth,       // certified labels, the Morse engine's results beside them, and the audit
+};
+std::string_view to_string(Engine engine);
+// Throws std::invalid_argument that names the choices.
+Engine engine_named(const std::string& name);
+
+struct EngineOptions {
+  // NOLINTNEXTLINE(google-explicit-constructor): an engine by itself is the common case
+  EngineOptions(Engine which = Engine::kCertified) : engine(which) {}
+  Engine engine;
+  double perturbation = 0.0;  // of the Morse engine: see MorseOptions
+};
+
+// The engines disagree: the message names the places.
+struct EnginesDisagree : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Labels the solid with the engine's method; the Morse engine's results go into `sections`.
+// Throws EnginesDisagree (kBoth), NotIsolated, Cancelled, std::invalid_argument.
+Topology run_engine(const EngineOptions& engine, const ScalarField& field,
+                    const CertifyOptions& options, Sections& sections,
+                    const Execution& execution = {});
+
+}  // namespace morsel::topology
