@@ -7,6 +7,7 @@
 // is one more of each.
 namespace morsel::tools {
 
+void add_bench(CLI::App& parent, Session& session);
 void add_bench_topology(CLI::App& parent, Session& session);
 void add_cache_build(CLI::App& parent, Session& session);
 void add_cache_compare(CLI::App& parent, Session& session);

@@ -18,7 +18,9 @@ using namespace morsel::tools;
 constexpr struct {
   const char* name;
   const char* help;
-} kRendererCommands[] = {{"render", "Render a scene"}, {"scene", "Look at a scene file: check"}};
+} kRendererCommands[] = {{"bench", "Measure rays against those of a mesh; topology"},
+                         {"render", "Render a scene"},
+                         {"scene", "Look at a scene file: check"}};
 
 // Beside this executable in a build tree, in its own folder when installed.
 std::filesystem::path renderer_executable() {
@@ -47,9 +49,6 @@ int main(int argc, char** argv) {
 
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
     for (const auto& command : kRendererCommands) app.add_subcommand(command.name, command.help);
-    CLI::App* bench = app.add_subcommand("bench", "Measurements: topology");
-    bench->require_subcommand(1);
-    add_bench_topology(*bench, session);
     CLI::App* cache =
         app.add_subcommand("cache", "Topology caches: build, compare, export, info, verify");
     cache->require_subcommand(1);

@@ -5,6 +5,7 @@
 int main(int argc, char** argv) {
   using namespace morsel::tools;
   return run_command_line(argc, argv, [](CLI::App& app, Session& session) {
+    add_bench(app, session);
     add_render(app, session);
     CLI::App* scene = app.add_subcommand("scene", "Look at a scene file: check");
     scene->require_subcommand(1);

@@ -11,6 +11,7 @@
 #include "renderer/accel/embree_handles.h"
 #include "renderer/accel/hypertexture.h"
 #include "renderer/accel/mesh.h"
+#include "renderer/accel/ray_log.h"
 #include "renderer/accel/spawn.h"
 
 namespace morsel::render {
@@ -169,6 +170,9 @@ bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& int
   RTCRay query = geom::make_ray(o.x, o.y, o.z, d.x, d.y, d.z, 0.0f, ray.tfar);
   query.mask = static_cast<unsigned>(kind);
   RTCRayHit rayhit = geom::make_ray_hit(query);
+  if (RayLog* log = RayLog::active())
+    log->add(impl_->top.get(), query,
+             kind == RayKind::kCamera ? RayLog::Query::kCoherent : RayLog::Query::kIncoherent);
   geom::intersect1(
       impl_->top.get(), rayhit,
       kind == RayKind::kCamera ? geom::Coherence::kCoherent : geom::Coherence::kIncoherent);
@@ -183,6 +187,7 @@ bool SceneAccel::occluded(const Ray& ray) const {
   const V3f &o = ray.origin, &d = ray.direction;
   RTCRay query = geom::make_ray(o.x, o.y, o.z, d.x, d.y, d.z, 0.0f, ray.tfar);
   query.mask = kOtherBit;
+  if (RayLog* log = RayLog::active()) log->add(impl_->top.get(), query, RayLog::Query::kOccluded);
   return geom::occluded1(impl_->top.get(), query);
 }
 

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <iostream>
+#include <memory>
+
+#include "renderer/scene/load_scene.h"
+#include "renderer/scene/scene_json.h"
+#include "tools/bench_renderer.h"
+#include "tools/bench_vs_mesh.h"
+#include "tools/commands.h"
+#include "tools/reporter.h"
+#include "tools/scene_options.h"
+
+namespace morsel::tools {
+namespace {
+
+struct Options {
+  SceneOptions scene;
+  ReportingOptions reporting;
+  std::string geometry;
+  VsMeshOptions vs_mesh;
+  int render_width = 320;
+  int render_spp = 4;
+  int threads = 0;
+  bool json = false;
+};
+
+void print(const nlohmann::json& result) {
+  const nlohmann::json& v = result["vs_mesh"];
+  std::cout << fmt::format(
+      "{}: hypertexture / Embree triangles of the same surface within {:.3g}\n",
+      result["geometry"].get<std::string>(), v["error"].get<double>());
+  for (const char* kind : {"primary", "incoherent", "shadow"}) {
+    const nlohmann::json &range = v["spread"][kind], &rate = v["rays_per_second"][kind];
+    std::cout << fmt::format(
+        "  {:<11} {:6.3f} of the rays/s ({:.3f} to {:.3f}); a core: {:.3f} against {:.3f} "
+        "Mrays/s; ",
+        kind, v[kind].get<double>(), range[0].get<double>(), range[1].get<double>(),
+        1e-6 * rate["hypertexture"].get<double>(), 1e-6 * rate["mesh"].get<double>());
+    std::cout << "evaluations a ray:";
+    for (const auto& [solver, count] : result["evaluations_per_ray_of"][kind].items())
+      std::cout << fmt::format(" {} {:.2f}", solver, count.get<double>());
+    std::cout << '\n';
+  }
+  std::cout << fmt::format(
+      "  memory      {:6.3f} ({} bricks against {} triangles)\n  ready time  {:6.3f}\n",
+      v["memory"].get<double>(), v["hypertexture"]["bricks"].get<std::uint64_t>(),
+      v["mesh"]["triangles"].get<std::uint64_t>(), v["ready_time"].get<double>());
+  if (!result.contains("renderer")) return;
+  const nlohmann::json& r = result["renderer"];
+  std::cout << fmt::format("  of the scene's render {:.3f} is Embree ({} rays)\n",
+                           r["efficiency"].get<double>(), r["rays"].get<std::uint64_t>());
+}
+
+int run(const Options& options, const Session& session) {
+  const render::SceneDocument document(options.scene.scene, options.scene.overrides());
+  const geom::Hypertexture hypertexture =
+      render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+  const auto threads = limit_threads(options.threads);
+  Reporter reporter(options.reporting);
+  topology::Execution execution;
+  execution.cancel = session.cancel;
+  execution.progress = [&](double fraction, const char* phase) {
+    reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
+  };
+  nlohmann::json result = bench_vs_mesh(hypertexture, options.vs_mesh, execution, reporter);
+  result["scene"] = options.scene.scene;
+  if (document.root().contains("camera")) {
+    render::LoadOptions load;
+    load.execution = execution;
+    load.warn = [&](const std::string& message) { reporter.warn(message); };
+    const render::LoadedScene scene =
+        render::load_scene(options.scene.scene, options.scene.overrides(), load);
+    result["renderer"] = bench_renderer(scene, options.render_width, options.render_spp,
+                                        options.vs_mesh.repetitions, reporter);
+    result["renderer_efficiency"] = result["renderer"]["efficiency"];
+  }
+  result["threads"] =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  if (options.json)
+    std::cout << result.dump(2) << '\n';
+  else
+    print(result);
+  return kDone;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& parent, Session& session) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = parent.add_subcommand(
+      "bench", "Measure a hypertexture against Embree triangles of the same surface");
+  add_scene_options(*command, options->scene);
+  command->get_option("SCENE")->required(false);  // not of the subcommands, that is
+  command->require_subcommand(0, 1);
+  add_bench_topology(*command, session);
+  command->add_option("--geometry", options->geometry,
+                      "Hypertexture geometry; may be left out if there is only one");
+  command
+      ->add_option("--error", options->vs_mesh.error,
+                   "Error of the mesh as a share of the diagonal of what is kept")
+      ->check(CLI::Range(1e-7, 0.1))
+      ->capture_default_str();
+  command->add_option("--resolution", options->vs_mesh.side, "Side of the image for primary rays")
+      ->check(CLI::Range(16, 8192))
+      ->capture_default_str();
+  command->add_option("--repetitions", options->vs_mesh.repetitions, "Of each measurement")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--render-width", options->render_width,
+                   "Width of the picture whose rays are replayed")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  command->add_option("--render-spp", options->render_spp, "Its samples a pixel")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print one JSON document");
+  add_threads_option(*command, options->threads);
+  add_reporting_options(*command, options->reporting);
+  command->callback([options, command, &session] {
+    if (!command->get_subcommands().empty()) return;
+    if (options->scene.scene.empty()) throw CLI::RequiredError("SCENE");
+    session.run = [options, &session] { return run(*options, session); };
+  });
+}
+
+}  // namespace morsel::tools

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench_renderer.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "renderer/accel/ray_log.h"
+#include "renderer/accel/scene_accel.h"
+#include "renderer/integrator/render.h"
+#include "tools/bench_rays.h"
+
+namespace morsel::tools {
+
+nlohmann::json bench_renderer(const render::LoadedScene& loaded, int width, int spp,
+                              int repetitions, Reporter& reporter) {
+  render::Scene scene = loaded.scene;
+  render::RenderSettings& settings = scene.settings;
+  if (settings.width > width) {
+    settings.height = std::max(1, settings.height * width / settings.width);
+    settings.width = width;
+  }
+  settings.spp = spp;
+  settings.crop.reset();
+
+  reporter.debug("recording the rays of a render");
+  render::RayLog log;
+  render::render(scene);
+  log.stop();
+
+  std::vector<double> efficiency, render_seconds, replay_seconds;
+  for (int i = 0; i < repetitions; ++i) {
+    reporter.debug("rendering, and replaying its rays");
+    double start = processor_seconds();
+    { const render::SceneAccel accel(scene); }
+    const double build = processor_seconds() - start;
+    start = processor_seconds();
+    render::render(scene);
+    render_seconds.push_back(processor_seconds() - start - build);
+    start = processor_seconds();
+    log.replay();
+    replay_seconds.push_back(processor_seconds() - start);
+    efficiency.push_back(replay_seconds.back() / render_seconds.back());
+  }
+  const std::vector<double> in_order = [&] {
+    std::vector<double> sorted = efficiency;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  }();
+  return {{"efficiency", in_order[in_order.size() / 2]},
+          {"spread", {in_order.front(), in_order.back()}},
+          {"rays", log.size()},
+          {"width", settings.width},
+          {"height", settings.height},
+          {"spp", spp},
+          {"render_seconds", *std::min_element(render_seconds.begin(), render_seconds.end())},
+          {"replay_seconds", *std::min_element(replay_seconds.begin(), replay_seconds.end())}};
+}
+
+}  // namespace morsel::tools

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "hypertexture_geom/embree/geometry.h"
+#include "renderer/accel/embree_handles.h"
+#include "topology/mesh/mesh.h"
+
+namespace morsel::tools {
+
+// One surface in an Embree scene of its own, and what making it took. Seconds are processor time.
+struct BenchSurface {
+  std::unique_ptr<render::Device> device;
+  std::unique_ptr<geom::HypertextureGeometry> hypertexture;  // null for a mesh
+  render::SceneHandle scene;
+  double geometry_seconds = 0.0;     // bricks; 0 for a mesh, see extract_mesh
+  double bvh_seconds = 0.0;          // Embree's
+  std::uint64_t geometry_bytes = 0;  // bricks with their fields; vertices and indices
+  std::uint64_t bvh_bytes = 0;       // all else that Embree allocated
+
+  std::uint64_t bytes() const { return geometry_bytes + bvh_bytes; }
+};
+
+BenchSurface trace_hypertexture(std::shared_ptr<const geom::Field> field,
+                                std::shared_ptr<const topology::TopologyCache> cache,
+                                const geom::GeometryOptions& options);
+
+// The triangles with float positions and 32-bit indices, built as the renderer builds meshes:
+// robust, high quality. Vertex normals are not counted: tracing needs none.
+BenchSurface trace_mesh(const topology::Mesh& mesh);
+
+}  // namespace morsel::tools
