@@ -19,7 +19,7 @@ endif()
 add_library(morsel_options INTERFACE)
 # No contraction: the rounding analysis of the local models counts one rounding an operation.
 target_compile_options(morsel_options INTERFACE
-  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wpedantic -ffp-contract=off -fno-math-errno
+  -Wall -Wextra -Wshadow $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> -Wpedantic -ffp-contract=off -fno-math-errno
   # It takes every reference from a function that was also given a temporary for one to that temporary.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-dangling-reference>
   $<$<BOOL:${MORSEL_WARNINGS_AS_ERRORS}>:-Werror>)

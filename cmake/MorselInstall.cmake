@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # What `cmake --install build/release --prefix DIR` puts where: the command, the scenes it can render,
-# and the documents. Caches and pictures that stand beside the scenes stay behind.
+# the C library with what other programs find it by, and the documents. Caches and pictures that stand
+# beside the scenes stay behind.
+include(CMakePackageConfigHelpers)
+
 if(TARGET morsel)
   install(TARGETS morsel RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
@@ -11,3 +14,22 @@ install(DIRECTORY "${PROJECT_SOURCE_DIR}/scenes/" DESTINATION "${CMAKE_INSTALL_D
         PATTERN "pictures" EXCLUDE)
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/CHANGELOG.md"
         DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+# The C library.
+# The version of Embree may be known as a whole only.
+string(REGEX MATCH "^[0-9]+" embree_VERSION_MAJOR "${embree_VERSION}")
+set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/Morsel")
+install(TARGETS morsel_c EXPORT MorselTargets LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/hypertexture_geom/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+        FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/hypertexture_geom/docs/" DESTINATION "${CMAKE_INSTALL_DOCDIR}/api")
+install(EXPORT MorselTargets NAMESPACE Morsel:: DESTINATION "${package_folder}")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/MorselConfig.cmake.in"
+                              "${PROJECT_BINARY_DIR}/MorselConfig.cmake"
+                              INSTALL_DESTINATION "${package_folder}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/MorselConfigVersion.cmake"
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/MorselConfig.cmake" "${PROJECT_BINARY_DIR}/MorselConfigVersion.cmake"
+        DESTINATION "${package_folder}")
+configure_file("${PROJECT_SOURCE_DIR}/cmake/morsel.pc.in" "${PROJECT_BINARY_DIR}/morsel.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/morsel.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

@@ -59,12 +59,15 @@ json statistics_json(const RenderReport& report, const render::LoadedScene& load
           {"samples",
            {{"total", s.samples},
             {"non_finite", s.non_finite_samples},
+            {"firefly_pixels", s.firefly_pixels},
+            {"brightest", s.brightest_sample},
             {"per_second", per_second(s.samples, trace)}}},
           {"acceleration",
            {{"triangles", s.accel.triangles},
             {"bricks", s.accel.hypertexture_bricks},
             {"bytes", s.accel.bytes}}},
-          {"hypertextures", hypertextures}};
+          {"hypertextures", hypertextures},
+          {"textures", s.textures}};
 }
 
 std::string statistics_text(const json& s) {
@@ -84,10 +87,13 @@ std::string statistics_text(const json& s) {
       "{:<14} {} camera, {} bounce, {} shadow, {:.3g} M/s\n", "rays",
       s["rays"]["camera"].get<std::uint64_t>(), s["rays"]["bounce"].get<std::uint64_t>(),
       s["rays"]["shadow"].get<std::uint64_t>(), s["rays"]["per_second"].get<double>() / 1e6);
-  text += fmt::format("{:<14} {} paths, {:.3g} M/s, {} not finite\n", "samples",
-                      s["samples"]["total"].get<std::uint64_t>(),
-                      s["samples"]["per_second"].get<double>() / 1e6,
-                      s["samples"]["non_finite"].get<std::uint64_t>());
+  text += fmt::format(
+      "{:<14} {} paths, {:.3g} M/s, {} not finite, {} firefly pixels, brightest {:.3g}\n",
+      "samples", s["samples"]["total"].get<std::uint64_t>(),
+      s["samples"]["per_second"].get<double>() / 1e6,
+      s["samples"]["non_finite"].get<std::uint64_t>(),
+      s["samples"]["firefly_pixels"].get<std::uint64_t>(), s["samples"]["brightest"].get<double>());
+  text += s["textures"].get<std::string>();
   text += fmt::format("{:<14}", "seconds");
   for (const auto& phase : s["seconds"].items())
     text += fmt::format(" {} {:.2f}", phase.key(), phase.value().get<double>());

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/field/ridged.h"
 
-#include "hypertexture_geom/field/mask.h"
-#include "hypertexture_geom/field/noise.h"
-#include "hypertexture_geom/field/sum.h"
-#include "hypertexture_geom/field/univariate_function.h"
+#include "hypertexture_geom/field/folded_noise.h"
 
 namespace morsel::geom {
 
@@ -12,41 +9,27 @@ using params::JsonReader;
 using params::Type;
 
 ModulationEntry ridged_entry() {
-  ModulationEntry entry;
-  entry.declaration = {
-      "ridged",
-      "Adds octaves of (offset - |noise|) or its square, octave i scaled by lacunarity^(-hurst i) "
-      "at "
-      "frequency lacunarity^i: crests where the noise changes sign.",
-      {{"type", Type::kString, "ridged", "Kind of modulation."},
-       {"smoothing", Type::kNumber, 0.1,
-        "Rounds the crests, in units of the noise: |t| is sqrt(t^2 + smoothing^2) - smoothing.", "",
-        1e-6, 1e3},
-       {"offset", Type::kNumber, 1.0, "Height of the crests, in units of the noise.", "", -100.0,
-        100.0},
-       {"squared", Type::kBoolean, true, "Whether to square what is left: sharper crests."},
-       mask_parameter()}};
-  for (params::Parameter& p : noise_parameters("Factor of the first octave."))
-    entry.declaration.parameters.push_back(std::move(p));
-  entry.make = [](std::shared_ptr<const Expression> previous, const JsonReader& r) {
-    NoiseDescription noise = noise_from_json(r);
-    std::shared_ptr<const Expression> sum;
-    for (std::size_t i = 0; i < noise.octaves.size(); ++i) {
-      const double amplitude = noise.octaves[i].amplitude;
-      noise.octaves[i].amplitude = 1.0;
-      const bool squared = r.boolean("squared");
-      const double factor = squared ? 1.0 : amplitude;
-      const Hyperbola ridge{.width = r.number("smoothing"),
-                            .constant = factor * r.number("offset"),
-                            .absolute = -factor};
-      std::shared_ptr<const Expression> octave = make_univariate(
-          squared ? squared_hyperbola_function(ridge, amplitude) : hyperbola_function(ridge),
-          make_noise(noise, i, 1));
-      sum = sum ? make_sum(std::move(sum), std::move(octave)) : std::move(octave);
-    }
-    return make_sum(std::move(previous), masked(std::move(sum), r));
-  };
-  return entry;
+  return {
+      folded_noise_declaration(
+          "ridged",
+          "Adds octaves of (offset - |noise|) or its square, octave i scaled by "
+          "lacunarity^(-hurst i) at frequency lacunarity^i: crests where the noise changes "
+          "sign.",
+          "Rounds the crests, in units of the noise: |t| is sqrt(t^2 + smoothing^2) - "
+          "smoothing.",
+          {{"offset", Type::kNumber, 1.0, "Height of the crests, in units of the noise.", "",
+            -100.0, 100.0},
+           {"squared", Type::kBoolean, true, "Whether to square what is left: sharper crests."}}),
+      [](std::shared_ptr<const Expression> previous, const JsonReader& r) {
+        return make_folded_noise(std::move(previous), r, [&](double amplitude) {
+          const bool squared = r.boolean("squared");
+          const double factor = squared ? 1.0 : amplitude;
+          const Hyperbola ridge{.width = r.number("smoothing"),
+                                .constant = factor * r.number("offset"),
+                                .absolute = -factor};
+          return squared ? squared_hyperbola_function(ridge, amplitude) : hyperbola_function(ridge);
+        });
+      }};
 }
 
 }  // namespace morsel::geom

@@ -33,6 +33,9 @@ void interact_with_hypertexture(const geom::HypertextureGeometry& hypertexture,
                        transform.object_length(0x1p-23 * s.t * max_abs(ray.direction));
   const geom::ShadingPoint point =
       hypertexture.shade(brick, V3f(transform.point_to_object(world)), static_cast<float>(error));
+  s.object_p = V3f(transform.point_to_object(world));
+  s.object_normal = point.normal;
+  s.object_scale = transform.mean_scale();
   s.geometric_normal = V3f(transform.normal_to_world(V3d(point.normal)));
   s.shading_normal = s.geometric_normal;
   s.spawn_front = V3f(transform.point_to_world(V3d(point.spawn_front)));

@@ -13,10 +13,12 @@ struct Ray {
   V3f origin;
   V3f direction;
   float tfar = std::numeric_limits<float>::infinity();
+  float time = 0.0f;  // of the shutter, [0, 1]
 };
 
-// Who asks: things can be hidden from the camera alone.
-enum class RayKind : std::uint32_t { kCamera = 1u, kOther = 2u };
+// Who asks: bits of the masks by which things are hidden from some of them. Shadow rays see what is
+// opaque; what they may pass in part (cut-outs) is met by kCutout rays.
+enum class RayKind : std::uint32_t { kCamera = 1u, kBounce = 2u, kShadow = 4u, kCutout = 8u };
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
@@ -30,12 +32,19 @@ struct SurfaceInteraction {
   V3f geometric_normal{0.0f};  // unit, outward: by winding for meshes, -grad F for hypertexture
   V3f shading_normal{0.0f};    // unit, in the hemisphere of geometric_normal
   V2f uv{0.0f, 0.0f};          // the mesh's, or barycentric
+  // In object space, for what is solid: the point, its unit normal, and the length there of a world
+  // length of 1 (of a mean direction).
+  V3f object_p{0.0f}, object_normal{0.0f, 1.0f, 0.0f};
+  float object_scale = 1.0f;
+  float footprint = 0.0f;  // width of the ray's cone, world
   std::uint32_t instance = kNoIndex;
   std::uint32_t geometry = kNoIndex;
   std::uint32_t primitive = kNoIndex;
   std::uint32_t component = kNoIndex;  // of hypertexture
   std::uint32_t material = 0;
-  std::uint32_t light = kNoIndex;  // index of a rectangle light
+  float steps = 0.0f;  // of the solver that found a hypertexture's hit, where it counts them
+  std::uint32_t light =
+      kNoIndex;  // local light of LightSet; materials that emit are not lights here
 
   const V3f& spawn(const V3f& direction) const {
     return dot(direction, geometric_normal) > 0.0f ? spawn_front : spawn_behind;

@@ -60,6 +60,9 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   const V3d n = area > 0.0 ? scaled_normal / area : V3d(0.0, 0.0, 1.0);
   const V3d world = transform.point_to_world(local);
   s.p = V3f(world);
+  s.object_p = V3f(local);
+  s.object_normal = V3f(n);
+  s.object_scale = transform.mean_scale();
   double stretch;
   const V3d world_normal = transform.normal_to_world(n, stretch);
   s.geometric_normal = V3f(world_normal);
@@ -82,6 +85,7 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
     const V3d interpolated =
         V3d(mesh.normals[i0]) * b0 + V3d(mesh.normals[i1]) * b1 + V3d(mesh.normals[i2]) * b2;
     const V3f shading(transform.normal_to_world(interpolated));
+    if (interpolated.dot(interpolated) > 0.0) s.object_normal = V3f(interpolated.normalized());
     if (is_finite(shading))
       s.shading_normal = dot(shading, s.geometric_normal) < 0.0f ? -shading : shading;
   }

@@ -5,36 +5,27 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "renderer/accel/embree_handles.h"
 #include "renderer/accel/hypertexture.h"
+#include "renderer/accel/light_geometry.h"
 #include "renderer/accel/mesh.h"
 #include "renderer/accel/ray_log.h"
-#include "renderer/accel/spawn.h"
 
 namespace morsel::render {
 namespace {
 
-constexpr auto kCameraBit = static_cast<unsigned>(RayKind::kCamera);
-constexpr auto kOtherBit = static_cast<unsigned>(RayKind::kOther);
-
-GeometryHandle create_rectangle_geometry(const Device& device, const RectangleLight& light) {
-  GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_QUAD));
-  auto* corners = static_cast<V3f*>(rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX,
-                                                            0, RTC_FORMAT_FLOAT3, sizeof(V3f), 4));
-  auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-      geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, 4 * sizeof(unsigned), 1));
-  device.check(fmt::format("buffers of rectangle light '{}'", light.name));
-  corners[0] = light.corner;
-  corners[1] = light.corner + light.edge_u;
-  corners[2] = light.corner + light.edge_u + light.edge_v;
-  corners[3] = light.corner + light.edge_v;
-  for (unsigned i = 0; i < 4; ++i) indices[i] = i;
-  rtcSetGeometryMask(geometry.get(), light.visible_to_camera ? kCameraBit | kOtherBit : kOtherBit);
-  rtcCommitGeometry(geometry.get());
-  return geometry;
+unsigned mask_of(const Scene& scene, const Instance& i) {
+  const auto opaque = [&](std::uint32_t material) { return scene.materials[material].opaque(); };
+  const bool solid = opaque(i.material) && opaque(i.detached_material.value_or(i.material));
+  unsigned mask = 0;
+  if (i.visible_to_camera) mask |= static_cast<unsigned>(RayKind::kCamera);
+  if (i.visible_to_bounces) mask |= static_cast<unsigned>(RayKind::kBounce);
+  if (i.casts_shadow) mask |= static_cast<unsigned>(solid ? RayKind::kShadow : RayKind::kCutout);
+  return mask;
 }
 
 }  // namespace
@@ -46,18 +37,22 @@ struct SceneAccel::Impl {
     const geom::HypertextureGeometry* hypertexture;
     std::uint32_t geometry, material, detached_material, main_component;
     InstanceTransform transform;
-  };
-  struct LightData {
-    V3f normal;
-    float magnitude;  // largest coordinate of a corner
-  };
+    bool moves;
 
+    // Embree interpolates the matrices too.
+    InstanceTransform at(const Instance& instance, float time) const {
+      return InstanceTransform(
+          instance.object_to_world * (1.0 - time) + *instance.object_to_world_end * double{time},
+          instance.name);
+    }
+  };
   const Scene& scene;
   Device device;
   std::vector<SceneHandle> geometries;
   SceneHandle top;
   std::vector<InstanceData> instances;
-  std::vector<LightData> lights;
+  std::optional<LightGeometry> lights;
+  bool cutouts = false;
   Statistics statistics;
 
   explicit Impl(const Scene& s) : scene(s) {
@@ -65,7 +60,7 @@ struct SceneAccel::Impl {
     top.reset(rtcNewScene(device.get()));
     rtcSetSceneFlags(top.get(), RTC_SCENE_FLAG_ROBUST);
     for (const Instance& i : scene.instances) add_instance(i);
-    for (const RectangleLight& l : scene.rectangles) add_light(l);
+    lights.emplace(scene, device, top.get(), static_cast<unsigned>(instances.size()));
     rtcCommitScene(top.get());
     device.check("building the acceleration structure of the scene");
   }
@@ -116,36 +111,34 @@ struct SceneAccel::Impl {
     const geom::HypertextureGeometry* hypertexture = mesh ? nullptr : std::get<1>(shape).get();
     instances.push_back({mesh, hypertexture, i.geometry, i.material, detached,
                          hypertexture ? main_component(*hypertexture) : kNoIndex,
-                         InstanceTransform(i.object_to_world, i.name)});
+                         InstanceTransform(i.object_to_world, i.name),
+                         i.object_to_world_end.has_value()});
+    if (i.object_to_world_end) check_motion(i, instances.back());
 
     GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(geometry.get(), geometry_scene(i.geometry));
+    if (i.object_to_world_end) rtcSetGeometryTimeStepCount(geometry.get(), 2);
     rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
                             instances.back().transform.columns());
-    geom::accept_all_rays(geometry.get());
+    if (i.object_to_world_end)
+      rtcSetGeometryTransform(geometry.get(), 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                              instances.back().at(i, 1.0f).columns());
+    const unsigned mask = mask_of(scene, i);
+    cutouts = cutouts || (mask & static_cast<unsigned>(RayKind::kCutout)) != 0;
+    rtcSetGeometryMask(geometry.get(), mask);
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometryByID(top.get(), geometry.get(), static_cast<unsigned>(instances.size() - 1));
     device.check(fmt::format("instance '{}'", i.name));
   }
 
-  void add_light(const RectangleLight& l) {
-    const GeometryHandle geometry = create_rectangle_geometry(device, l);
-    rtcAttachGeometryByID(top.get(), geometry.get(),
-                          static_cast<unsigned>(instances.size() + lights.size()));
-    device.check(fmt::format("rectangle light '{}'", l.name));
-    lights.push_back({normalize(cross(l.edge_u, l.edge_v)),
-                      max_abs(l.corner) + max_abs(l.edge_u) + max_abs(l.edge_v)});
+  // Every transform on the way must be usable: half a turn passes through a flat one.
+  static void check_motion(const Instance& i, const InstanceData& data) {
+    for (int k = 0; k <= 16; ++k) data.at(i, static_cast<float>(k) / 16.0f);
   }
 
   void interact(const Ray& ray, const RTCHit& hit, SurfaceInteraction& s) const {
     if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
-      s.light = hit.geomID - static_cast<std::uint32_t>(instances.size());
-      const LightData& light = lights[s.light];
-      const V3d p = V3d(ray.origin) + V3d(ray.direction) * static_cast<double>(s.t);
-      s.p = V3f(p);
-      s.geometric_normal = s.shading_normal = light.normal;
-      s.uv = V2f(hit.u, hit.v);
-      set_spawn_points(p, V3d(light.normal), 0x1p-20 * (light.magnitude + max_abs(s.p)), s);
+      lights->interact(ray, hit, s);
       return;
     }
     s.instance = hit.instID[0];
@@ -153,10 +146,13 @@ struct SceneAccel::Impl {
     const InstanceData& i = instances[s.instance];
     s.geometry = i.geometry;
     s.material = i.material;
+    std::optional<InstanceTransform> moved;
+    if (i.moves) moved = i.at(scene.instances[s.instance], ray.time);
+    const InstanceTransform& transform = moved ? *moved : i.transform;
     if (i.mesh) {
-      interact_with_mesh(*i.mesh, i.transform, hit.primID, hit.u, hit.v, s);
+      interact_with_mesh(*i.mesh, transform, hit.primID, hit.u, hit.v, s);
     } else {
-      interact_with_hypertexture(*i.hypertexture, i.transform, ray, hit.primID, s);
+      interact_with_hypertexture(*i.hypertexture, transform, ray, hit.primID, s);
       if (s.component != i.main_component) s.material = i.detached_material;
     }
   }
@@ -168,6 +164,7 @@ SceneAccel::~SceneAccel() = default;
 bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& interaction) const {
   const V3f &o = ray.origin, &d = ray.direction;
   RTCRay query = geom::make_ray(o.x, o.y, o.z, d.x, d.y, d.z, 0.0f, ray.tfar);
+  query.time = ray.time;
   query.mask = static_cast<unsigned>(kind);
   RTCRayHit rayhit = geom::make_ray_hit(query);
   if (RayLog* log = RayLog::active())
@@ -186,10 +183,13 @@ bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& int
 bool SceneAccel::occluded(const Ray& ray) const {
   const V3f &o = ray.origin, &d = ray.direction;
   RTCRay query = geom::make_ray(o.x, o.y, o.z, d.x, d.y, d.z, 0.0f, ray.tfar);
-  query.mask = kOtherBit;
+  query.time = ray.time;
+  query.mask = static_cast<unsigned>(RayKind::kShadow);
   if (RayLog* log = RayLog::active()) log->add(impl_->top.get(), query, RayLog::Query::kOccluded);
   return geom::occluded1(impl_->top.get(), query);
 }
+
+bool SceneAccel::has_cutouts() const { return impl_->cutouts; }
 
 SceneAccel::Statistics SceneAccel::statistics() const {
   Statistics s = impl_->statistics;

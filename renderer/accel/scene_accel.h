@@ -23,7 +23,10 @@ class SceneAccel {
 
   // First hit with t > 0. `interaction` is written only if there is one.
   bool intersect(const Ray& ray, RayKind kind, SurfaceInteraction& interaction) const;
+  // Whether something opaque that casts shadows is in the way.
   bool occluded(const Ray& ray) const;
+  // Whether anything is there that shadow rays may pass in part: ask intersect() with kCutout.
+  bool has_cutouts() const;
 
   struct Statistics {
     std::uint64_t triangles = 0;  // of meshes, instances not counted

@@ -46,6 +46,7 @@ InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& na
     }
   translation_ = V3d(absolute(m, 3, 0), absolute(m, 3, 1), absolute(m, 3, 2));
   inverse_norm_ = std::sqrt(3.0) * norm(to_object_);
+  mean_scale_ = static_cast<float>(std::cbrt(std::abs(to_object_.determinant())));
 }
 
 V3d InstanceTransform::normal_to_world(const V3d& n, double& stretch) const {

@@ -34,6 +34,8 @@ class InstanceTransform {
                 std::abs(p.z) + translation_.z);
     return a.x * error_[0] + a.y * error_[1] + a.z * error_[2];
   }
+  // Length in object space of a world length of 1, of a mean direction.
+  float mean_scale() const { return mean_scale_; }
   // A length in the world is at most this long in object space.
   double object_length(double world_length) const { return world_length * inverse_norm_; }
 
@@ -46,6 +48,7 @@ class InstanceTransform {
   V3d translation_;  // absolute values
   V3d error_[3];     // rows: error of the object coordinates for each unit of a world coordinate
   double inverse_norm_;
+  float mean_scale_;
 };
 
 }  // namespace morsel::render

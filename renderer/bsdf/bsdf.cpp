@@ -6,12 +6,6 @@ namespace {
 
 constexpr float kGrazing = 1e-4f;  // smallest cosine between the viewer and the shading normal
 
-V3f diffuse_color(const Material& m, const V3f& p) {
-  if (!m.checker_color) return m.color;
-  const float square_sum = std::floor(p.x / m.checker_size) + std::floor(p.z / m.checker_size);
-  return std::fmod(square_sum, 2.0f) != 0.0f ? *m.checker_color : m.color;
-}
-
 // The shading normal, turned until `wo` and its mirror direction are above the surface. All
 // arguments are on the viewer's side of the surface or in its plane.
 V3f usable_normal(const V3f& shading, const V3f& geometric, const V3f& wo) {
@@ -28,25 +22,33 @@ V3f usable_normal(const V3f& shading, const V3f& geometric, const V3f& wo) {
 
 }  // namespace
 
-Lobe make_lobe(const Material& material, const V3f& p, bool outside, float smallest_alpha) {
-  const float alpha = std::max(material.roughness * material.roughness, smallest_alpha);
-  switch (material.type) {
+Lobe make_lobe(const SurfaceParameters& p, bool outside) {
+  switch (p.type) {
     case MaterialType::kConductor:
-      return Conductor(material.color, alpha);
-    case MaterialType::kDielectric: {
-      // Light crosses a solid's boundary twice: the tint is that of the whole passage.
-      const V3f& c = material.color;
-      const V3f tint(std::sqrt(c.x), std::sqrt(c.y), std::sqrt(c.z));
-      return Dielectric(tint, alpha, outside ? material.ior : 1.0f / material.ior);
-    }
+      return Conductor(p.color, p.alpha);
+    case MaterialType::kDielectric:
+      return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables);
     case MaterialType::kDiffuse:
+      return Diffuse(p.color, p.diffuse_roughness);
+    case MaterialType::kPrincipled:
       break;
   }
-  return Diffuse(diffuse_color(material, p));
+  if (p.clearcoat > 0.0f || max_component(p.sheen_color) > 0.0f) return Principled(p, outside);
+  if (p.metallic >= 1.0f) return Conductor(p.color, p.alpha);
+  if (p.metallic <= 0.0f && p.transmission >= 1.0f) {
+    if (p.thin) return ThinGlass(p.color, p.alpha, p.ior);
+    return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables);
+  }
+  if (p.metallic <= 0.0f && p.transmission <= 0.0f) {
+    const Diffuse body(p.color, p.diffuse_roughness);
+    if (p.specular <= 0.0f) return body;
+    return Plastic(body, SpecularLayer(p.specular, p.specular_color, p.alpha, *p.tables));
+  }
+  return Principled(p, outside);
 }
 
-Bsdf::Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
-           const V3f& shading_normal, const V3f& wo, float smallest_alpha)
+Bsdf::Bsdf(const SurfaceParameters& parameters, const V3f& geometric_normal,
+           const V3f& shading_normal, const V3f& wo)
     : geometric_normal_(dot(wo, geometric_normal) >= 0.0f ? geometric_normal : -geometric_normal),
       smooth_(shading_normal != geometric_normal),
       frame_(smooth_
@@ -55,7 +57,7 @@ Bsdf::Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
                                  geometric_normal_, wo)
                  : geometric_normal_),
       wo_(frame_.to_local(wo)),
-      lobe_(make_lobe(material, p, dot(wo, geometric_normal) >= 0.0f, smallest_alpha)) {
+      lobe_(make_lobe(parameters, dot(wo, geometric_normal) >= 0.0f)) {
   wo_.z = std::max(wo_.z, 1e-6f);  // wo may lie in the surface to within rounding
 }
 

@@ -7,18 +7,19 @@
 #include "renderer/bsdf/conductor.h"
 #include "renderer/bsdf/dielectric.h"
 #include "renderer/bsdf/diffuse.h"
+#include "renderer/bsdf/principled.h"
+#include "renderer/bsdf/surface_parameters.h"
+#include "renderer/bsdf/thin_glass.h"
 #include "renderer/math/frame.h"
-#include "renderer/scene/scene.h"
 
 namespace morsel::render {
 
 // The registry: a new kind of material is a file pair with a class as lobe.h describes, one entry
 // here, and one case in make_lobe (bsdf.cpp).
-using Lobe = std::variant<Diffuse, Conductor, Dielectric>;
+using Lobe = std::variant<Diffuse, Conductor, Dielectric, ThinGlass, Plastic, Principled>;
 
-// The lobe of `material` at world position `p`, seen from the outside or the inside. Its GGX alpha
-// is at least `smallest_alpha`.
-Lobe make_lobe(const Material& material, const V3f& p, bool outside, float smallest_alpha = 0.0f);
+// The lobe of a surface seen from the outside or the inside: the simplest that has all its parts.
+Lobe make_lobe(const SurfaceParameters& p, bool outside);
 
 // A lobe at a point of a surface; directions are unit vectors in world space.
 //
@@ -32,8 +33,8 @@ Lobe make_lobe(const Material& material, const V3f& p, bool outside, float small
 class Bsdf {
  public:
   // `geometric_normal` is outward, `shading_normal` in the same hemisphere, both unit.
-  Bsdf(const Material& material, const V3f& p, const V3f& geometric_normal,
-       const V3f& shading_normal, const V3f& wo, float smallest_alpha = 0.0f);
+  Bsdf(const SurfaceParameters& parameters, const V3f& geometric_normal, const V3f& shading_normal,
+       const V3f& wo);
 
   // As LobeValue and LobeSample, but with wi in world space.
   LobeValue evaluate(const V3f& wi) const;

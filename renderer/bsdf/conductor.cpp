@@ -3,13 +3,24 @@
 
 #include "renderer/bsdf/directional_albedo.h"
 #include "renderer/bsdf/fresnel.h"
+#include "renderer/math/warp.h"
 
 namespace morsel::render {
 
-V3f Conductor::compensation(const V3f& wo) const {
-  if (!compensate_) return V3f(1.0f);
-  const float e = ggx_directional_albedo(wo.z, alpha_);
-  return V3f(1.0f) + reflectance_ * ((1.0f - e) / e);
+V3f Conductor::many_bounces() const {
+  const float e = ggx_albedo().average(alpha_);
+  V3f color;
+  for (int i = 0; i < 3; ++i) {
+    // Mean of Schlick's term over the hemisphere; then the geometric series of further bounces.
+    const float f = reflectance_[i] + (1.0f - reflectance_[i]) / 21.0f;
+    color[i] = f * f * e / (1.0f - f * (1.0f - e));
+  }
+  return color;
+}
+
+// Of sampling the lobe of many bounces: its share of the light of a white metal.
+float Conductor::many_probability(const V3f& wo) const {
+  return compensate_ ? 1.0f - ggx_albedo()(wo.z, alpha_) : 0.0f;
 }
 
 LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi) const {
@@ -20,27 +31,37 @@ LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi) const {
   const Ggx ggx(alpha_);
   const float d = ggx.distribution(h);
   // f * wi.z = F D G / (4 wo.z wi.z) * wi.z
-  const float value = d * ggx.masking_shadowing(wo, wi) / (4.0f * wo.z);
-  const float pdf = d * ggx.masking(wo) / (4.0f * wo.z);
-  return {fresnel_schlick(reflectance_, dot(wo, h)) * compensation(wo) * value, pdf};
+  LobeValue v;
+  v.value = fresnel_schlick(reflectance_, dot(wo, h)) *
+            (d * ggx.masking_shadowing(wo, wi) / (4.0f * wo.z));
+  v.pdf = d * ggx.masking(wo) / (4.0f * wo.z);
+  if (compensate_) {
+    const AlbedoTable& table = ggx_albedo();
+    v.value += many_bounces() * complement(table, table, alpha_, wo.z, wi.z);
+    const float p = many_probability(wo);
+    v.pdf = (1.0f - p) * v.pdf + p * wi.z * kInvPi;
+  }
+  return v;
 }
 
-std::optional<LobeSample> Conductor::sample(const V3f& wo, float /*choice*/, const V2f& u) const {
+std::optional<LobeSample> Conductor::sample(const V3f& wo, float choice, const V2f& u) const {
   if (delta()) {
     return LobeSample{.wi = V3f(-wo.x, -wo.y, wo.z),
                       .weight = fresnel_schlick(reflectance_, wo.z),
                       .delta = true};
   }
-  const Ggx ggx(alpha_);
-  const V3f h = ggx.sample_visible(wo, u);
-  const float cos_h = dot(wo, h);
-  const V3f wi = normalize(h * (2.0f * cos_h) - wo);
-  if (wi.z <= 0.0f || cos_h <= 0.0f) return std::nullopt;
-  const float masking = ggx.masking(wo);
-  return LobeSample{.wi = wi,
-                    .weight = fresnel_schlick(reflectance_, cos_h) * compensation(wo) *
-                              (ggx.masking_shadowing(wo, wi) / masking),
-                    .pdf = ggx.distribution(h) * masking / (4.0f * wo.z)};
+  LobeSample s;
+  if (choice < many_probability(wo)) {
+    s.wi = square_to_cosine_hemisphere(u);
+  } else {
+    const V3f h = Ggx(alpha_).sample_visible(wo, u);
+    s.wi = normalize(h * (2.0f * dot(wo, h)) - wo);
+  }
+  const LobeValue v = evaluate(wo, s.wi);
+  if (!(v.pdf > 0.0f)) return std::nullopt;
+  s.pdf = v.pdf;
+  s.weight = v.value / v.pdf;
+  return s;
 }
 
 }  // namespace morsel::render

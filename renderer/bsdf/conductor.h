@@ -7,10 +7,9 @@
 namespace morsel::render {
 
 // Metal: GGX reflection with Schlick's Fresnel term; a perfect mirror below Ggx::kSmallestAlpha.
-// Light that the facets reflect more than once is put back by scaling the lobe with
-// 1 + F0 (1 - E) / E, E being the lobe's own directional albedo at F = 1 (Turquin, "Practical
-// multiple scattering compensation for microfacet models", 2019), so a white metal is white at any
-// roughness. The scale depends on wo alone, so reciprocity holds only without it.
+// Light that the facets reflect more than once is put back by complement() (directional_albedo.h),
+// coloured by the mean of the Fresnel term at every bounce, so a white metal is white at any
+// roughness, and the lobe is reciprocal.
 class Conductor {
  public:
   // `reflectance` at normal incidence, in [0, 1]; alpha is GGX's, in [0, 1].
@@ -24,7 +23,8 @@ class Conductor {
   V3f albedo() const { return reflectance_; }
 
  private:
-  V3f compensation(const V3f& wo) const;
+  V3f many_bounces() const;  // colour of complement()
+  float many_probability(const V3f& wo) const;
 
   V3f reflectance_;
   float alpha_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "renderer/bsdf/directional_albedo.h"
 #include "renderer/bsdf/ggx.h"
 #include "renderer/bsdf/lobe.h"
 
@@ -9,11 +10,21 @@ namespace morsel::render {
 // Glass: exact Fresnel reflection and refraction at a smooth interface, or at GGX facets (Walter
 // et al., "Microfacet Models for Refraction through Rough Surfaces", 2007). Weights carry radiance
 // (they divide by eta^2 on refraction), since paths start at the camera.
+//
+// With `tables` the light of more than one bounce is put back by lobes of the form of complement()
+// (directional_albedo.h) on both sides; it is shared out between the sides so that refraction stays
+// reciprocal.
 class Dielectric {
  public:
-  // `tint` multiplies refracted light, each time it crosses; `eta` is the index on the side that
-  // the viewer is not on over the index on the viewer's side.
-  Dielectric(const V3f& tint, float alpha, float eta) : tint_(tint), alpha_(alpha), eta_(eta) {}
+  // `tint` multiplies refracted light, each time it crosses. `ior` is that of the inside relative
+  // to the outside, `outside` where the viewer is. `tables`, if any, are those of `ior`.
+  Dielectric(const V3f& tint, float alpha, float ior, bool outside,
+             const InterfaceTables* tables = nullptr)
+      : tint_(tint),
+        alpha_(alpha),
+        eta_(outside ? ior : 1.0f / ior),
+        outside_(outside),
+        tables_(delta() ? nullptr : tables) {}
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
@@ -23,9 +34,20 @@ class Dielectric {
   V3f albedo() const { return V3f(1.0f); }
 
  private:
+  LobeValue evaluate_once(const V3f& wo, const V3f& wi) const;
+  std::optional<LobeSample> sample_once(const V3f& wo, float choice, const V2f& u) const;
+  // Adds the lobes of many bounces to a value and mixes their density in.
+  void add_many(const V3f& wo, const V3f& wi, LobeValue& v) const;
+  const AlbedoTable& here() const { return tables_->side(outside_).total; }
+  const AlbedoTable& there() const { return tables_->side(!outside_).total; }
+  // Share of the light of many bounces that ends up on the other side.
+  float crossing() const;
+
   V3f tint_;
   float alpha_;
   float eta_;
+  bool outside_;
+  const InterfaceTables* tables_;
 };
 
 }  // namespace morsel::render

@@ -1,59 +1,111 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/bsdf/directional_albedo.h"
 
-#include <array>
+#include <map>
+#include <memory>
+#include <mutex>
 
+#include "renderer/bsdf/fresnel.h"
 #include "renderer/bsdf/ggx.h"
+#include "renderer/bsdf/sheen.h"
+#include "renderer/math/warp.h"
 #include "renderer/sampler/owen_sobol.h"
 
 namespace morsel::render {
 namespace {
 
-// Cosines are spaced in sqrt(cos): the albedo changes fastest towards grazing angles.
-constexpr int kCosines = 32, kAlphas = 24, kSamples = 256;
+constexpr int kSamples = 256;
 
-struct Table {
-  std::array<std::array<float, kCosines>, kAlphas> value;
+V2f hammersley(int i) {
+  return {(static_cast<float>(i) + 0.5f) / kSamples,
+          to_unit_float(reverse_bits(static_cast<std::uint32_t>(i)))};
+}
+V3f direction_of(float cosine) {
+  return {std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)), 0.0f, cosine};
+}
 
-  Table() {
-    for (int a = 0; a < kAlphas; ++a) {
-      // The first row stands for a mirror.
-      const float alpha = static_cast<float>(a) / (kAlphas - 1);
-      for (int c = 0; c < kCosines; ++c)
-        value[a][c] = a == 0 ? 1.0f : integrate(cosine_of(c), alpha);
-    }
-  }
-  static float cosine_of(int c) {
-    return square(std::max(static_cast<float>(c) / (kCosines - 1), 1e-3f));
-  }
-  // Mean weight of the visible-normal estimator.
-  static float integrate(float cos_theta, float alpha) {
-    const Ggx ggx(alpha);
-    const V3f wo(std::sqrt(1.0f - cos_theta * cos_theta), 0.0f, cos_theta);
-    float sum = 0.0f;
-    for (std::uint32_t i = 0; i < kSamples; ++i) {
-      const V2f u((static_cast<float>(i) + 0.5f) / kSamples, to_unit_float(reverse_bits(i)));
-      const V3f h = ggx.sample_visible(wo, u);
-      const V3f wi = h * (2.0f * dot(wo, h)) - wo;
-      if (wi.z > 0.0f) sum += ggx.masking_shadowing(wo, wi) / ggx.masking(wo);
-    }
-    return sum / kSamples;
-  }
+// Mean weights of the visible-normal estimator.
+struct Shares {
+  float reflected = 0.0f, refracted = 0.0f;
 };
+// `eta` 0: a mirror.
+Shares integrate(float cosine, float roughness, float eta) {
+  const V3f wo = direction_of(cosine);
+  // Facets of a perfectly smooth surface are the surface.
+  const float alpha = roughness * roughness;
+  const bool smooth = alpha < Ggx::kSmallestAlpha;
+  const Ggx ggx(std::max(alpha, Ggx::kSmallestAlpha));
+  double reflected = 0.0, refracted = 0.0;
+  const int samples = smooth ? 1 : kSamples;
+  for (int i = 0; i < samples; ++i) {
+    const V3f h = smooth ? V3f(0, 0, 1) : ggx.sample_visible(wo, hammersley(i));
+    const float cos_o = dot(wo, h);
+    if (cos_o <= 0.0f) continue;
+    float cos_t = 0.0f;
+    const float f = eta > 0.0f ? fresnel_dielectric(cos_o, eta, cos_t) : 1.0f;
+    const auto weight = [&](const V3f& wi) {
+      return smooth ? 1.0f : ggx.masking_shadowing(wo, wi) / ggx.masking(wo);
+    };
+    const V3f mirrored = h * (2.0f * cos_o) - wo;
+    if (mirrored.z > 0.0f) reflected += f * weight(mirrored);
+    if (f < 1.0f) {
+      const V3f bent = wo * (-1.0f / eta) + h * (cos_o / eta - cos_t);
+      if (bent.z < 0.0f) refracted += (1.0f - f) * weight(bent);
+    }
+  }
+  return {static_cast<float>(reflected / samples), static_cast<float>(refracted / samples)};
+}
+
+InterfaceAlbedo tables_of(float eta) {
+  // One integration gives both numbers.
+  std::map<std::pair<float, float>, Shares> shares;
+  AlbedoTable reflected([&](float c, float r) {
+    const Shares s = integrate(c, r, eta);
+    shares[{c, r}] = s;
+    return s.reflected;
+  });
+  AlbedoTable total([&](float c, float r) {
+    const Shares& s = shares[{c, r}];
+    return s.reflected + s.refracted;
+  });
+  return {reflected, total};
+}
 
 }  // namespace
 
-float ggx_directional_albedo(float cos_theta, float alpha) {
-  static const Table table;
-  const float c = std::sqrt(std::clamp(cos_theta, 0.0f, 1.0f)) * (kCosines - 1);
-  const float a = std::clamp(alpha, 0.0f, 1.0f) * (kAlphas - 1);
-  const int c0 = std::min(static_cast<int>(c), kCosines - 2);
-  const int a0 = std::min(static_cast<int>(a), kAlphas - 2);
-  const float fc = c - static_cast<float>(c0), fa = a - static_cast<float>(a0);
-  const auto& low = table.value[a0];
-  const auto& high = table.value[a0 + 1];
-  return (1.0f - fa) * ((1.0f - fc) * low[c0] + fc * low[c0 + 1]) +
-         fa * ((1.0f - fc) * high[c0] + fc * high[c0 + 1]);
+const AlbedoTable& ggx_albedo() {
+  static const AlbedoTable table(
+      [](float cosine, float roughness) { return integrate(cosine, roughness, 0.0f).reflected; });
+  return table;
+}
+
+const InterfaceTables& interface_albedo(float ior) {
+  static std::mutex mutex;
+  static std::map<float, std::unique_ptr<const InterfaceTables>> known;
+  const std::lock_guard lock(mutex);
+  auto& tables = known[ior];
+  if (!tables)
+    tables = std::make_unique<InterfaceTables>(
+        InterfaceTables{ior, tables_of(ior), tables_of(1.0f / ior)});
+  return *tables;
+}
+
+const AlbedoTable& sheen_albedo() {
+  static const AlbedoTable table([](float cosine, float roughness) {
+    const Sheen sheen(V3f(1.0f), roughness * roughness);
+    const V3f wo = direction_of(cosine);
+    // Uniform in the hemisphere: the lobe is widest along the horizon.
+    double sum = 0.0;
+    constexpr int kFine = 4 * kSamples;
+    for (int i = 0; i < kFine; ++i) {
+      const float z = (static_cast<float>(i) + 0.5f) / kFine;
+      const float phi = 2.0f * kPi * to_unit_float(reverse_bits(static_cast<std::uint32_t>(i)));
+      const float s = std::sqrt(1.0f - z * z);
+      sum += sheen.evaluate(wo, V3f(s * std::cos(phi), s * std::sin(phi), z)).value.x;
+    }
+    return static_cast<float>(sum / kFine * 2.0 * kPi);
+  });
+  return table;
 }
 
 }  // namespace morsel::render

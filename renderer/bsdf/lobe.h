@@ -27,6 +27,7 @@ struct LobeSample {
   float pdf = 0.0f;  // as evaluate() has it; 0 for delta lobes
   bool delta = false;
   bool transmission = false;
+  bool diffuse = false;  // by a matte lobe: for limits by kind of bounce
   // Square of the index of refraction behind over in front, 1 for reflection: what radiance is
   // divided by in `weight` and gets back when the path leaves again.
   float eta_squared = 1.0f;

@@ -14,6 +14,13 @@ void PixelAccumulator::add(const PathSample& sample, float x, float y) {
   const Imath::V3d before = color - color_;
   color_ += before / static_cast<double>(samples_);
   squared_deviation_ += before * (color - color_);
+  const float y_of_color = luminance(sample.radiance);
+  const double deviation = y_of_color - luminance_mean_;
+  luminance_mean_ += deviation / samples_;
+  luminance_deviation_ += deviation * (y_of_color - luminance_mean_);
+  brightest_ = std::max(brightest_, y_of_color);
+  for (std::uint32_t i = 0; i < kMaxLightGroups; ++i) groups_[i] += sample.groups[i];
+  steps_ += sample.steps;
   albedo_ += sample.albedo;
   normal_ += sample.normal;
   alpha_ += sample.alpha;
@@ -22,6 +29,8 @@ void PixelAccumulator::add(const PathSample& sample, float x, float y) {
     nearest_ = distance;
     depth_ = sample.depth;
     component_ = sample.component;
+    position_ = sample.position;
+    geometric_normal_ = sample.geometric_normal;
   }
 }
 
@@ -37,6 +46,9 @@ Pixel PixelAccumulator::result() const {
   pixel.normal = normal_ * scale;
   pixel.depth = depth_;
   pixel.component = component_;
+  pixel.position = position_;
+  pixel.geometric_normal = geometric_normal_;
+  pixel.steps = steps_ * scale;
   // One sample says nothing about its variance; the sample itself is the only scale there is.
   const Imath::V3d variance = samples_ > 1 ? squared_deviation_ / (n * (n - 1.0)) : color_ * color_;
   for (int i = 0; i < 3; ++i)
@@ -45,7 +57,7 @@ Pixel PixelAccumulator::result() const {
   return pixel;
 }
 
-Film::Film(const RenderSettings& settings)
+Film::Film(const RenderSettings& settings, std::size_t light_groups)
     : full_width_(settings.width),
       full_height_(settings.height),
       window_(settings.crop.value_or(Crop{0, 0, settings.width, settings.height})) {
@@ -57,7 +69,10 @@ Film::Film(const RenderSettings& settings)
     throw std::invalid_argument(fmt::format(
         "film: crop [{}, {}) x [{}, {}) is empty or not inside the image of {} x {} pixels",
         window_.x0, window_.x1, window_.y0, window_.y1, full_width_, full_height_));
-  pixels_.resize(static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()));
+  const std::size_t count = static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  pixels_.resize(count);
+  groups_.assign(light_groups, std::vector<V3f>(count, V3f(0.0f)));
+  if (settings.cryptomatte) mattes_.assign(3, std::vector<cryptomatte::Ranks>(count));
 }
 
 }  // namespace morsel::render

@@ -10,10 +10,12 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <fmt/format.h>
 
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
 #include "renderer/camera/camera.h"
+#include "renderer/film/matte_names.h"
 #include "topology/replacing_file.h"
 
 namespace morsel::render {
@@ -22,31 +24,77 @@ namespace {
 constexpr auto kHalfMax = static_cast<float>(HALF_MAX);
 
 struct Channel {
-  const char* name;
+  std::string name;
   Imf::PixelType type;
-  float (*value)(const Pixel&);
+  std::function<float(const Film&, int x, int y)> value;
 };
 
-constexpr Channel kChannels[] = {
-    {"R", Imf::HALF, [](const Pixel& p) { return p.color.x; }},
-    {"G", Imf::HALF, [](const Pixel& p) { return p.color.y; }},
-    {"B", Imf::HALF, [](const Pixel& p) { return p.color.z; }},
-    {"A", Imf::HALF, [](const Pixel& p) { return p.alpha; }},
-    {"albedo.R", Imf::HALF, [](const Pixel& p) { return p.albedo.x; }},
-    {"albedo.G", Imf::HALF, [](const Pixel& p) { return p.albedo.y; }},
-    {"albedo.B", Imf::HALF, [](const Pixel& p) { return p.albedo.z; }},
-    {"N.X", Imf::HALF, [](const Pixel& p) { return p.normal.x; }},
-    {"N.Y", Imf::HALF, [](const Pixel& p) { return p.normal.y; }},
-    {"N.Z", Imf::HALF, [](const Pixel& p) { return p.normal.z; }},
-    {"variance.R", Imf::FLOAT, [](const Pixel& p) { return p.variance.x; }},
-    {"variance.G", Imf::FLOAT, [](const Pixel& p) { return p.variance.y; }},
-    {"variance.B", Imf::FLOAT, [](const Pixel& p) { return p.variance.z; }},
-    {"Z", Imf::FLOAT, [](const Pixel& p) { return p.depth; }},
-    {"component", Imf::FLOAT, [](const Pixel& p) { return p.component; }},
-    {"sampleCount", Imf::FLOAT, [](const Pixel& p) { return static_cast<float>(p.samples); }},
-};
+void add_colors(std::vector<Channel>& channels, const std::string& prefix, const char* letters,
+                Imf::PixelType type, const std::function<V3f(const Film&, int, int)>& value) {
+  for (int c = 0; c < 3; ++c)
+    channels.push_back({prefix + letters[c], type,
+                        [value, c](const Film& f, int x, int y) { return value(f, x, y)[c]; }});
+}
 
-Imf::Header make_header(const Scene& scene, const RenderResult& result) {
+std::vector<Channel> channels_of(const Scene& scene, const Film& film) {
+  std::vector<Channel> list;
+  const auto color = [&](const char* prefix, const char* letters, Imf::PixelType type,
+                         V3f Pixel::*member) {
+    add_colors(list, prefix, letters, type,
+               [member](const Film& f, int x, int y) { return f.at(x, y).*member; });
+  };
+  const auto number = [&](const char* name, Imf::PixelType type, float Pixel::*member) {
+    list.push_back(
+        {name, type, [member](const Film& f, int x, int y) { return f.at(x, y).*member; }});
+  };
+  color("", "RGB", Imf::HALF, &Pixel::color);
+  number("A", Imf::HALF, &Pixel::alpha);
+  color("albedo.", "RGB", Imf::HALF, &Pixel::albedo);
+  color("N.", "XYZ", Imf::HALF, &Pixel::normal);
+  color("Ng.", "XYZ", Imf::HALF, &Pixel::geometric_normal);
+  color("P.", "XYZ", Imf::FLOAT, &Pixel::position);
+  color("variance.", "RGB", Imf::FLOAT, &Pixel::variance);
+  number("Z", Imf::FLOAT, &Pixel::depth);
+  number("component", Imf::FLOAT, &Pixel::component);
+  number("steps", Imf::FLOAT, &Pixel::steps);
+  list.push_back({"sampleCount", Imf::FLOAT, [](const Film& f, int x, int y) {
+                    return static_cast<float>(f.at(x, y).samples);
+                  }});
+  for (std::size_t g = 0; g < film.group_count(); ++g)
+    add_colors(list, "light_" + scene.light_groups[g] + ".", "RGB", Imf::HALF,
+               [g](const Film& f, int x, int y) { return f.group(g, x, y); });
+  for (std::size_t m = 0; m < film.matte_count(); ++m)
+    for (int rank = 0; rank < cryptomatte::kRanks; ++rank) {
+      const std::string layer = fmt::format("{}{:02}.", kMatteLayers[m], rank / 2);
+      const auto r = static_cast<std::size_t>(rank);
+      list.push_back(
+          {layer + (rank % 2 == 0 ? "R" : "B"), Imf::FLOAT, [m, r](const Film& f, int x, int y) {
+             return cryptomatte::as_float(f.matte(m, x, y)[r].id);
+           }});
+      list.push_back(
+          {layer + (rank % 2 == 0 ? "G" : "A"), Imf::FLOAT,
+           [m, r](const Film& f, int x, int y) { return f.matte(m, x, y)[r].coverage; }});
+    }
+  return list;
+}
+
+void add_mattes(Imf::Header& header, const Scene& scene, const Film& film) {
+  if (film.matte_count() == 0) return;
+  const MatteNames names(scene);
+  for (std::size_t m = 0; m < kMattes; ++m) {
+    const std::string key = "cryptomatte/" + cryptomatte::key_of(kMatteLayers[m]) + "/";
+    const auto set = [&](const char* what, const std::string& value) {
+      header.insert(key + what, Imf::StringAttribute(value));
+    };
+    set("name", kMatteLayers[m]);
+    set("hash", "MurmurHash3_32");
+    set("conversion", "uint32_to_float32");
+    set("manifest", cryptomatte::manifest_of(names.manifest(static_cast<Matte>(m), film)));
+  }
+}
+
+Imf::Header make_header(const Scene& scene, const RenderResult& result,
+                        const std::vector<Channel>& channels) {
   const Film& film = result.film;
   const Crop& w = film.window();
   const Imath::Box2i display({0, 0}, {film.full_width() - 1, film.full_height() - 1});
@@ -65,9 +113,12 @@ Imf::Header make_header(const Scene& scene, const RenderResult& result) {
   header.insert("morsel:exposure", Imf::FloatAttribute(s.exposure));
   header.insert("morsel:renderSeconds",
                 Imf::DoubleAttribute(result.statistics.seconds_of("trace")));
+  header.insert("morsel:fireflyPixels",
+                Imf::DoubleAttribute(static_cast<double>(result.statistics.firefly_pixels)));
   header.insert("morsel:rays",
                 Imf::DoubleAttribute(static_cast<double>(result.statistics.rays.total())));
-  for (const Channel& c : kChannels) header.channels().insert(c.name, Imf::Channel(c.type));
+  add_mattes(header, scene, film);
+  for (const Channel& c : channels) header.channels().insert(c.name, Imf::Channel(c.type));
   return header;
 }
 
@@ -80,17 +131,18 @@ void write_exr(const std::filesystem::path& path, const Scene& scene, const Rend
   const auto height = static_cast<std::size_t>(film.height());
   topology::ReplacingFile file(path);
   try {
-    const Imf::Header header = make_header(scene, result);
+    const std::vector<Channel> channels = channels_of(scene, film);
+    const Imf::Header header = make_header(scene, result, channels);
     // One plane per channel, stored as the file has it.
     std::vector<std::vector<char>> planes;
     Imf::FrameBuffer frame;
-    for (const Channel& c : kChannels) {
+    for (const Channel& c : channels) {
       const std::size_t size = c.type == Imf::HALF ? sizeof(Imath::half) : sizeof(float);
       std::vector<char>& plane = planes.emplace_back(size * width * height);
       std::size_t i = 0;
       for (int y = window.y0; y < window.y1; ++y)
         for (int x = window.x0; x < window.x1; ++x, ++i) {
-          const float v = c.value(film.at(x, y));
+          const float v = c.value(film, x, y);
           if (c.type == Imf::HALF)
             reinterpret_cast<Imath::half*>(plane.data())[i] =
                 Imath::half(std::clamp(v, -kHalfMax, kHalfMax));

@@ -12,10 +12,16 @@ namespace morsel::render {
 //   R G B A            half   radiance, premultiplied; A: share of samples that see something
 //   albedo.R .G .B     half   of the first vertex that is not a mirror or clear glass, in [0, 1]
 //   N.X N.Y N.Z        half   normal there, world space, towards the viewer
+//   Ng.X Ng.Y Ng.Z     half   normal of the first hit, without interpolation or bumps
+//   P.X P.Y P.Z        float  the first hit, world space
 //   variance.R .G .B   float  of R, G, B
 //   Z                  float  depth of the first hit along the camera's axis, 1e10 if none
 //   component          float  1 + id of the hypertexture component first hit, else 0
+//   steps              float  evaluations that finding the first hit took, where they are counted
 //   sampleCount        float  paths; 0 where the render was cancelled
+//   light_NAME.R .G .B half   the part of R, G, B of each light group
+//   crypto_object00.R .. crypto_object02.A, crypto_material.., crypto_component..
+//                      float  Cryptomatte, if asked for: (id, share) of up to six names
 // A crop is the data window inside the display window of the full image. The header has version,
 // samples, seed, depth, render time, rays, exposure and the camera's matrices (worldToCamera,
 // worldToNDC). Values outside half's range are clamped to it. Appears under `path` only when

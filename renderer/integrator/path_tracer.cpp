@@ -12,18 +12,28 @@ constexpr int kRouletteStart = 3;
 // Shadow rays stop short of a light's own surface by this fraction.
 constexpr float kShadowLength = 0.9999f;
 
+// Angle of the footprint of rays that a matte surface scatters, radians.
+constexpr float kLobeAngle = 0.1f;
+
+// Surfaces of partial opacity that a path or a shadow ray passes before it counts as blocked.
+constexpr int kMostCutouts = 256;
+
 enum VertexDimension : std::uint32_t {
   kLobe,
   kDirection,
   kLightChoice,
   kLightPoint,
-  kEnvironmentPoint,
+  kInfinitePoint,
   kRoulette,
   kPerVertex
 };
 
 std::uint32_t dimension(int vertex, VertexDimension use) {
-  return kPixelDimension + 1 + static_cast<std::uint32_t>(vertex) * kPerVertex + use;
+  return kPathDimension + static_cast<std::uint32_t>(vertex) * kPerVertex + use;
+}
+// Apart from those of all vertices.
+std::uint32_t cutout_dimension(int vertex, int passed) {
+  return 0x40000000u + static_cast<std::uint32_t>(vertex * kMostCutouts + passed);
 }
 
 V3f clamped_to_one(const V3f& c) {
@@ -37,6 +47,9 @@ struct PathTracer::State {
   V3f throughput{1.0f};
   float eta_scale = 1.0f;  // what refraction took from the throughput and will give back
   int vertex = 0;          // 0: the first hit
+  int diffuse = 0, glossy = 0, transmitted = 0;  // bounces so far
+  float travelled = 0.0f;                        // from the last vertex through cut-outs
+  float cone_width = 0.0f, cone_angle = 0.0f;    // of the ray's footprint, at the last vertex
   // How the ray was chosen; a camera ray or a delta lobe has no competing light sample.
   V3f previous_p{0.0f};
   float previous_pdf = 0.0f;
@@ -46,6 +59,8 @@ struct PathTracer::State {
   // Albedo and normal wait for the first vertex that is not a delta lobe.
   bool features_open = true;
   V3f feature_tint{1.0f};
+
+  LightGroup group(LightGroup one) const { return previous_split ? one : LightGroup::kAll; }
 };
 
 float PathTracer::mis_weight(float this_pdf, float other_pdf, bool light_sample) const {
@@ -62,52 +77,125 @@ float PathTracer::mis_weight(float this_pdf, float other_pdf, bool light_sample)
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-void PathTracer::add_escaped(State& state, PathSample& sample) const {
-  const auto& environment = lights_.environment();
-  if (!environment || (state.vertex == 0 && !lights_.environment_visible_to_camera())) return;
-  if (state.vertex == 0) sample.alpha = 1.0f;
-  const V3f& wi = state.ray.direction;
-  const LightGroup group = state.previous_split ? LightGroup::kEnvironment : LightGroup::kAll;
-  const float weight =
-      state.previous_delta
-          ? 1.0f
-          : mis_weight(state.previous_pdf, lights_.environment_pdf(group, state.previous_p, wi),
-                       false);
-  sample.radiance += state.throughput * environment->radiance(wi) * weight;
+// Light that reaches the camera, `indirect` if it bounced more than once.
+void PathTracer::add_light(V3f light, std::uint32_t light_group, bool indirect,
+                           PathSample& sample) const {
+  const float limit = scene_.settings.indirect_clamp;
+  if (indirect && limit > 0.0f) {
+    const float brightest = max_component(light);
+    if (brightest > limit) light *= limit / brightest;
+  }
+  sample.radiance += light;
+  if (light_group < kMaxLightGroups) sample.groups[light_group] += light;
 }
 
-void PathTracer::add_rectangle(State& state, const SurfaceInteraction& hit,
-                               PathSample& sample) const {
-  const Rectangle& light = lights_.rectangle(hit.light);
+void PathTracer::add_escaped(State& state, PathSample& sample) const {
   const V3f& wi = state.ray.direction;
-  const bool emits = dot(wi, light.normal()) < 0.0f;
+  const LightGroup group = state.group(LightGroup::kInfinite);
+  for (std::size_t i = 0; i < lights_.infinite_count(); ++i) {
+    if (state.vertex == 0 && !lights_.infinite_visible_to_camera(i)) continue;
+    const V3f radiance = lights_.infinite_radiance(i, wi);
+    if (state.vertex == 0 && i == 0) sample.alpha = 1.0f;
+    if (!(max_component(radiance) > 0.0f)) continue;
+    const float weight =
+        state.previous_delta
+            ? 1.0f
+            : mis_weight(state.previous_pdf, lights_.infinite_pdf(group, i, state.previous_p, wi),
+                         false);
+    add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i),
+              state.vertex > 1, sample);
+  }
+}
+
+void PathTracer::add_emitted(State& state, const SurfaceInteraction& hit, const V3f& radiance,
+                             std::uint32_t light, std::uint32_t light_group,
+                             PathSample& sample) const {
+  float weight = 1.0f;
+  // What no light sample finds is left to the BSDF's alone.
+  if (!state.previous_delta && light != LightSet::kNoLight)
+    weight = mis_weight(state.previous_pdf,
+                        lights_.local_pdf(state.group(LightGroup::kLocal), light, state.previous_p,
+                                          state.ray.direction, state.travelled + hit.t),
+                        false);
+  add_light(state.throughput * radiance * weight, light_group, state.vertex > 1, sample);
+}
+
+// A light of LightSet is the end of the path.
+void PathTracer::add_light_hit(State& state, const SurfaceInteraction& hit,
+                               PathSample& sample) const {
+  const V3f radiance = lights_.local_radiance(hit.light, state.ray.direction);
+  const bool facing = dot(state.ray.direction, hit.geometric_normal) < 0.0f;
   if (state.features_open) {
     state.features_open = false;
-    sample.albedo = emits ? state.feature_tint * clamped_to_one(light.radiance()) : V3f(0.0f);
-    sample.normal = emits ? light.normal() : -light.normal();
+    sample.albedo = state.feature_tint * clamped_to_one(radiance);
+    sample.normal = facing ? hit.geometric_normal : -hit.geometric_normal;
   }
-  if (!emits) return;
-  const LightGroup group = state.previous_split ? LightGroup::kRectangles : LightGroup::kAll;
-  const float weight =
-      state.previous_delta
-          ? 1.0f
-          : mis_weight(state.previous_pdf,
-                       lights_.rectangle_pdf(group, hit.light, state.previous_p, wi, hit.t), false);
-  sample.radiance += state.throughput * light.radiance() * weight;
+  if (max_component(radiance) > 0.0f)
+    add_emitted(state, hit, radiance, hit.light, lights_.local_light_group(hit.light), sample);
+}
+
+// Share of light that comes through; 0 when something is in the way.
+float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
+  ++rays.shadow;
+  if (accel_.occluded(shadow)) return 0.0f;
+  if (!accel_.has_cutouts()) return 1.0f;
+  float passed = 1.0f;
+  for (int i = 0; i < kMostCutouts; ++i) {
+    SurfaceInteraction hit;
+    ++rays.shadow;
+    if (!accel_.intersect(shadow, RayKind::kCutout, hit)) return passed;
+    passed *= 1.0f - materials_.opacity(hit, -normalize(shadow.direction));
+    if (!(passed > 0.0f)) return 0.0f;
+    // On from behind the surface, to the same end.
+    const V3f end = shadow.origin + shadow.direction * shadow.tfar;
+    shadow.origin = hit.spawn(shadow.direction);
+    if (std::isfinite(shadow.tfar)) {
+      shadow.direction = end - shadow.origin;
+      shadow.tfar = 1.0f;
+    }
+  }
+  return 0.0f;
+}
+
+// The radiance of a light sample: where a texture varies what a mesh emits it is asked.
+V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
+                                const LightSet::Sample& light) const {
+  if (light.instance == LightSet::kNoLight) return light.radiance;
+  const Instance& instance = scene_.instances[light.instance];
+  if (!materials_.emission_is_textured(instance.material)) return light.radiance;
+  SurfaceInteraction on;
+  on.instance = light.instance;
+  on.geometry = instance.geometry;
+  on.material = instance.material;
+  on.primitive = light.triangle;
+  on.p = from.p + light.wi * light.distance;
+  on.uv = light.on_light;
+  const auto& mesh = std::get<TriangleMesh>(scene_.geometries[on.geometry].shape);
+  const Imath::V3i& t = mesh.triangles[light.triangle];
+  const float b1 = light.on_light.x, b2 = light.on_light.y;
+  const auto corner = [&](int k) { return static_cast<std::size_t>(t[k]); };
+  const auto mixed = [&](const auto& values) {
+    return values[corner(0)] * (1.0f - b1 - b2) + values[corner(1)] * b1 + values[corner(2)] * b2;
+  };
+  on.object_p = mixed(mesh.positions);
+  if (!mesh.uvs.empty()) on.uv = mixed(mesh.uvs);
+  on.geometric_normal = on.shading_normal = -light.wi;
+  return materials_.emission(on, -light.wi);
 }
 
 void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
                             const Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
                             RayCounts& rays) const {
-  const auto use = group == LightGroup::kEnvironment ? kEnvironmentPoint : kLightPoint;
-  const LightSample light =
+  const auto use = group == LightGroup::kInfinite ? kInfinitePoint : kLightPoint;
+  const auto light =
       lights_.sample(group, hit.p, sampler.get_1d(dimension(state.vertex, kLightChoice)),
                      sampler.get_2d(dimension(state.vertex, use)));
-  if (!(light.pdf > 0.0f)) return;
+  if (!(light.pdf > 0.0f) || !(max_component(light.radiance) > 0.0f)) return;
   const LobeValue lobe = bsdf.evaluate(light.wi);
   if (!(max_component(lobe.value) > 0.0f)) return;
 
   Ray shadow;
+  shadow.time = state.ray.time;
   shadow.origin = hit.spawn(light.wi);
   shadow.direction = light.wi;
   if (std::isfinite(light.distance)) {
@@ -115,50 +203,96 @@ void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceI
     shadow.direction = hit.p + light.wi * light.distance - shadow.origin;
     shadow.tfar = kShadowLength;
   }
-  ++rays.shadow;
-  if (accel_.occluded(shadow)) return;
-  sample.radiance += state.throughput * lobe.value * light.radiance *
-                     (mis_weight(light.pdf, lobe.pdf, true) / light.pdf);
+  const float visible = visibility(shadow, rays);
+  if (!(visible > 0.0f)) return;
+  const float weight = light.delta ? 1.0f : mis_weight(light.pdf, lobe.pdf, true);
+  add_light(
+      state.throughput * lobe.value * emitted_towards(hit, light) * (weight * visible / light.pdf),
+      light.light_group, state.vertex > 0, sample);
 }
 
-PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayCounts& rays) const {
+bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
+                          RayCounts& rays) const {
+  const bool first = state.vertex == 0;
+  state.travelled = 0.0f;
+  for (int passed = 0; passed < kMostCutouts; ++passed) {
+    ++(first ? rays.camera : rays.bounce);
+    if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kBounce, hit))
+      return false;
+    if (hit.light != kNoIndex || materials_.opaque(hit.material)) return true;
+    hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
+    const float opacity = materials_.opacity(hit, -state.ray.direction);
+    if (opacity >= 1.0f) return true;
+    if (sampler.get_1d(cutout_dimension(state.vertex, passed)) < opacity) return true;
+    state.travelled += hit.t;
+    state.ray.origin = hit.spawn(state.ray.direction);
+  }
+  return false;
+}
+
+// Counts a bounce; whether the path may go on.
+bool PathTracer::within_limits(State& state, const LobeSample& scattered) const {
+  const RenderSettings& s = scene_.settings;
+  if (scattered.transmission) return ++state.transmitted <= s.max_transmission_depth;
+  if (scattered.diffuse) return ++state.diffuse <= s.max_diffuse_depth;
+  return ++state.glossy <= s.max_glossy_depth;
+}
+
+PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
+                             RayCounts& rays) const {
   PathSample result;
   State state;
-  state.ray.origin = camera_.position();
-  state.ray.direction = camera_.direction(x, y);
+  state.ray = camera_ray;
+  state.cone_width = camera_.pixel_width();
+  state.cone_angle = camera_.pixel_angle();
 
   for (;; ++state.vertex) {
     SurfaceInteraction hit;
     const bool first = state.vertex == 0;
-    ++(first ? rays.camera : rays.bounce);
-    if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kOther, hit)) {
+    if (!next_hit(state, sampler, hit, rays)) {
       add_escaped(state, result);
       break;
     }
     if (first) {
       result.alpha = 1.0f;
-      result.depth = hit.t * dot(state.ray.direction, camera_.forward());
+      result.depth = camera_.depth(hit.p);
+      result.position = hit.p;
+      result.geometric_normal = dot(hit.geometric_normal, state.ray.direction) > 0.0f
+                                    ? -hit.geometric_normal
+                                    : hit.geometric_normal;
+      result.instance = hit.instance;
+      result.material = hit.light == kNoIndex ? hit.material : kNoIndex;
+      result.steps = hit.steps;
       if (hit.component != kNoIndex) result.component = 1.0f + static_cast<float>(hit.component);
     }
     if (hit.light != kNoIndex) {
-      add_rectangle(state, hit, result);
+      add_light_hit(state, hit, result);
       break;
+    }
+    const V3f wo = -state.ray.direction;
+    hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
+    if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
+      state.throughput *= materials_.transmittance(hit.material, state.travelled + hit.t);
+    if (materials_.emits(hit.material)) {
+      const V3f emitted = materials_.emission(hit, wo);
+      const std::uint32_t light = lights_.emissive_triangle(hit.instance, hit.primitive);
+      if (max_component(emitted) > 0.0f)
+        add_emitted(state, hit, emitted, light, scene_.materials[hit.material].group, result);
     }
     if (state.vertex > scene_.settings.max_depth) break;
 
-    const V3f wo = -state.ray.direction;
-    const Bsdf bsdf(scene_.materials[hit.material], hit.p, hit.geometric_normal, hit.shading_normal,
-                    wo, state.smallest_alpha);
+    const MaterialSet::Shading shading = materials_.shade(hit, wo, state.smallest_alpha);
+    const Bsdf bsdf(shading.parameters, hit.geometric_normal, shading.normal, wo);
     const bool delta = bsdf.delta();
     if (state.features_open && !delta) {
       state.features_open = false;
-      result.albedo = state.feature_tint * bsdf.albedo();
+      result.albedo = clamped_to_one(state.feature_tint * bsdf.albedo());
       result.normal = bsdf.shading_normal();
     }
     if (!delta && direct_lighting_ != DirectLighting::kBsdfOnly) {
       if (first) {
-        add_direct(state, LightGroup::kEnvironment, hit, bsdf, sampler, result, rays);
-        add_direct(state, LightGroup::kRectangles, hit, bsdf, sampler, result, rays);
+        add_direct(state, LightGroup::kInfinite, hit, bsdf, sampler, result, rays);
+        add_direct(state, LightGroup::kLocal, hit, bsdf, sampler, result, rays);
       } else {
         add_direct(state, LightGroup::kAll, hit, bsdf, sampler, result, rays);
       }
@@ -166,7 +300,7 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
 
     const auto scattered = bsdf.sample(sampler.get_1d(dimension(state.vertex, kLobe)),
                                        sampler.get_2d(dimension(state.vertex, kDirection)));
-    if (!scattered) break;
+    if (!scattered || !within_limits(state, *scattered)) break;
     state.throughput *= scattered->weight;
     state.eta_scale *= scattered->eta_squared;
     if (state.features_open)
@@ -180,6 +314,9 @@ PathSample PathTracer::trace(float x, float y, const PixelSampler& sampler, RayC
     }
     state.smallest_alpha =
         std::max(state.smallest_alpha, scene_.settings.regularization * bsdf.spread());
+    // What a wide lobe sees need not be sharp.
+    state.cone_width = hit.footprint;
+    state.cone_angle = std::max(state.cone_angle, kLobeAngle * bsdf.spread());
     state.previous_p = hit.p;
     state.previous_pdf = scattered->pdf;
     state.previous_delta = scattered->delta;

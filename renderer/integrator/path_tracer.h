@@ -2,10 +2,12 @@
 #pragma once
 
 #include "renderer/accel/scene_accel.h"
+#include "renderer/bsdf/lobe.h"
 #include "renderer/camera/camera.h"
 #include "renderer/film/film.h"
 #include "renderer/integrator/render.h"
 #include "renderer/light/light_set.h"
+#include "renderer/material/material_set.h"
 #include "renderer/sampler/sampler.h"
 #include "renderer/scene/scene.h"
 
@@ -13,28 +15,40 @@ namespace morsel::render {
 
 // Unidirectional path tracing: at every vertex one direction towards a light and one by the BSDF,
 // combined with the power heuristic (Veach 1997). At the first vertex, where most of the noise
-// comes from, the environment and the rectangles get a light sample each. Narrow lobes are widened
+// comes from, infinite and local lights get a light sample each. Narrow lobes are widened
 // after wide ones (RenderSettings::regularization; the idea is Kaplanyan & Dachsbacher's, "Path
 // Space Regularization for Holistic and Robust Light Transport", 2013). Holds references only;
 // thread-safe.
 class PathTracer {
  public:
-  PathTracer(const Scene& scene, const SceneAccel& accel, const LightSet& lights,
-             const Camera& camera, DirectLighting direct_lighting)
+  PathTracer(const Scene& scene, const SceneAccel& accel, const MaterialSet& materials,
+             const LightSet& lights, const Camera& camera, DirectLighting direct_lighting)
       : scene_(scene),
         accel_(accel),
+        materials_(materials),
         lights_(lights),
         camera_(camera),
         direct_lighting_(direct_lighting) {}
 
-  // One path through image position (x, y), in pixels. Its radiance may be non-finite.
-  PathSample trace(float x, float y, const PixelSampler& sampler, RayCounts& rays) const;
+  // One path that begins with `camera_ray`, whose direction is a unit vector. Its radiance may be
+  // non-finite.
+  PathSample trace(const Ray& camera_ray, const PixelSampler& sampler, RayCounts& rays) const;
 
  private:
   struct State;
 
+  // The first hit that the path does not pass through a cut-out.
+  bool next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
+                RayCounts& rays) const;
+  bool within_limits(State& state, const LobeSample& scattered) const;
+  float visibility(Ray shadow, RayCounts& rays) const;
+
+  V3f emitted_towards(const SurfaceInteraction& from, const LightSet::Sample& light) const;
+  void add_light(V3f light, std::uint32_t light_group, bool indirect, PathSample& sample) const;
   void add_escaped(State& state, PathSample& sample) const;
-  void add_rectangle(State& state, const SurfaceInteraction& hit, PathSample& sample) const;
+  void add_light_hit(State& state, const SurfaceInteraction& hit, PathSample& sample) const;
+  void add_emitted(State& state, const SurfaceInteraction& hit, const V3f& radiance,
+                   std::uint32_t light, std::uint32_t light_group, PathSample& sample) const;
   void add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
                   const class Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
                   RayCounts& rays) const;
@@ -42,12 +56,18 @@ class PathTracer {
 
   const Scene& scene_;
   const SceneAccel& accel_;
+  const MaterialSet& materials_;
   const LightSet& lights_;
   const Camera& camera_;
   DirectLighting direct_lighting_;
 };
 
-// The sampler's dimension of the position in the pixel; the path uses those above.
-inline constexpr std::uint32_t kPixelDimension = 0;
+// Dimensions of the sampler: the position in the pixel, on the lens, in time; the path's are above.
+enum CameraDimension : std::uint32_t {
+  kPixelDimension,
+  kLensDimension,
+  kTimeDimension,
+  kPathDimension
+};
 
 }  // namespace morsel::render

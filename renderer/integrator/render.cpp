@@ -10,7 +10,7 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "renderer/integrator/path_tracer.h"
+#include "renderer/integrator/pixel_renderer.h"
 
 namespace morsel::render {
 namespace {
@@ -30,37 +30,10 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Work that tiles do on their own and hand in at their end.
-struct TileCounts {
-  RayCounts rays;
-  std::uint64_t samples = 0, non_finite = 0;
-};
-
-Pixel render_pixel(const PathTracer& tracer, const RenderSettings& settings, int x, int y,
-                   TileCounts& counts) {
-  PixelSampler sampler(x, y, settings.seed);
-  PixelAccumulator pixel;
-  for (int i = 0; i < settings.spp; ++i) {
-    sampler.start_sample(static_cast<std::uint32_t>(i));
-    const V2f offset = sampler.get_2d(kPixelDimension);
-    PathSample sample = tracer.trace(static_cast<float>(x) + offset.x,
-                                     static_cast<float>(y) + offset.y, sampler, counts.rays);
-    ++counts.samples;
-    if (!is_finite(sample.radiance)) {
-      ++counts.non_finite;
-      sample.radiance = V3f(0.0f);
-    }
-    pixel.add(sample, offset.x, offset.y);
-  }
-  return pixel.result();
-}
-
 class TileRenderer {
  public:
-  TileRenderer(const PathTracer& tracer, const RenderSettings& settings,
-               const RenderOptions& options, RenderResult& result)
-      : tracer_(tracer),
-        settings_(settings),
+  TileRenderer(const PixelRenderer& pixels, const RenderOptions& options, RenderResult& result)
+      : pixels_(pixels),
         options_(options),
         result_(result),
         columns_((result.film.width() + kTileSize - 1) / kTileSize),
@@ -81,7 +54,7 @@ class TileRenderer {
         for (int x = x0; x < x1; ++x) {
           complete = complete && !stopped();
           if (!complete) break;
-          result_.film.at(x, y) = render_pixel(tracer_, settings_, x, y, counts);
+          pixels_.render(x, y, result_.film, counts);
         }
     }
     finish(counts, complete);
@@ -100,6 +73,9 @@ class TileRenderer {
     s.rays.shadow += counts.rays.shadow;
     s.samples += counts.samples;
     s.non_finite_samples += counts.non_finite;
+    s.firefly_pixels += counts.fireflies;
+    s.brightest_sample = std::max(s.brightest_sample, counts.brightest);
+    result_.film.add_components(counts.components);
     if (!complete) {
       result_.cancelled = true;
       return;
@@ -108,8 +84,7 @@ class TileRenderer {
     if (options_.progress) options_.progress(static_cast<double>(finished_) / count());
   }
 
-  const PathTracer& tracer_;
-  const RenderSettings& settings_;
+  const PixelRenderer& pixels_;
   const RenderOptions& options_;
   RenderResult& result_;
   int columns_, rows_;
@@ -134,7 +109,8 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
   if (options.threads < 0)
     throw std::invalid_argument(fmt::format("render: {} threads", options.threads));
 
-  RenderResult result{.film = Film(settings), .statistics = {}, .cancelled = false};
+  RenderResult result{
+      .film = Film(settings, scene.light_groups.size()), .statistics = {}, .cancelled = false};
   const Camera camera(scene.camera, settings.width, settings.height);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
@@ -143,11 +119,15 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
     const SceneAccel accel(scene);
     statistics.accel = accel.statistics();
     statistics.seconds.emplace_back("build", watch.restart());
+    const MaterialSet materials(scene);
+    statistics.seconds.emplace_back("materials", watch.restart());
     const LightSet lights(scene, options.direct_lighting == DirectLighting::kLightsOnly);
     statistics.seconds.emplace_back("lights", watch.restart());
 
-    const PathTracer tracer(scene, accel, lights, camera, options.direct_lighting);
-    TileRenderer tiles(tracer, settings, options, result);
+    const PathTracer tracer(scene, accel, materials, lights, camera, options.direct_lighting);
+    const MatteNames names(scene);
+    const PixelRenderer pixels(tracer, camera, settings, settings.cryptomatte ? &names : nullptr);
+    TileRenderer tiles(pixels, options, result);
     tbb::parallel_for(
         tbb::blocked_range<int>(0, tiles.count(), 1),
         [&](const tbb::blocked_range<int>& range) {
@@ -155,6 +135,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
         },
         tbb::simple_partitioner());
     statistics.seconds.emplace_back("trace", watch.restart());
+    statistics.textures = materials.texture_statistics();
   });
   return result;
 }

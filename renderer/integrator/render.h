@@ -36,7 +36,12 @@ struct RenderStatistics {
   RayCounts rays;
   std::uint64_t samples = 0;             // paths
   std::uint64_t non_finite_samples = 0;  // whose radiance was NaN or infinite and was taken as 0
+  // Pixels (or halves of adaptive ones) of 16 samples or more of which one sample is more than
+  // half, and the luminance of the brightest sample of all.
+  std::uint64_t firefly_pixels = 0;
+  float brightest_sample = 0.0f;
   SceneAccel::Statistics accel;
+  std::string textures;  // of the texture system, for people; empty without images
   std::vector<std::pair<std::string, double>>
       seconds;  // by phase, wall clock: build, lights, trace
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/light/light.h"
 #include "renderer/math/distribution.h"
 #include "renderer/math/vector.h"
 
@@ -18,13 +19,6 @@ struct EnvironmentImage {
   // Reads any image that OpenImageIO reads, as linear RGB (one channel is grey). Negative and
   // non-finite texels become 0. Throws std::runtime_error that names the file.
   static EnvironmentImage read(const std::string& file);
-};
-
-struct LightSample {
-  V3f wi{0.0f};        // unit, towards the light
-  V3f radiance{0.0f};  // that arrives from there if nothing is in between
-  float pdf = 0.0f;    // per solid angle; 0: no sample
-  float distance = 0;  // to the light's point; infinite for the environment
 };
 
 // Light from infinitely far away. The image's centre is seen along -z, its right half towards +x,

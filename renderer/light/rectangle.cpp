@@ -119,4 +119,18 @@ float Rectangle::importance(const V3f& p) const {
   return power_ * cosine / (distance2 + 0.25f * area_);
 }
 
+LightBounds Rectangle::bounds() const {
+  LightBounds b;
+  for (const V3f& corner :
+       {corner_, corner_ + edge_u_, corner_ + edge_v_, corner_ + edge_u_ + edge_v_})
+    for (int i = 0; i < 3; ++i) {
+      b.low[i] = std::min(b.low[i], corner[i]);
+      b.high[i] = std::max(b.high[i], corner[i]);
+    }
+  b.axis = normal_;
+  b.spread = 0.0f;
+  b.power = power_;
+  return b;
+}
+
 }  // namespace morsel::render

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "renderer/light/environment.h"
+#include "renderer/light/light.h"
 #include "renderer/scene/scene.h"
 
 namespace morsel::render {
@@ -16,7 +16,7 @@ class Rectangle {
   // Throws std::invalid_argument naming the light when it has no area or is not finite.
   explicit Rectangle(const RectangleLight& light);
 
-  const V3f& radiance() const { return radiance_; }
+  V3f radiance(const V3f& wi) const { return dot(wi, normal_) < 0.0f ? radiance_ : V3f(0.0f); }
   const V3f& normal() const { return normal_; }
 
   // From a point `p`; pdf 0 when `p` is behind the light.
@@ -25,6 +25,7 @@ class Rectangle {
   float pdf(const V3f& p, const V3f& wi, float distance) const;
   // Roughly the irradiance it can cause at `p`; 0 exactly where it casts no light.
   float importance(const V3f& p) const;
+  LightBounds bounds() const;
 
  private:
   struct SphericalRectangle;

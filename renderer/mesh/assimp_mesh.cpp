@@ -3,8 +3,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include <assimp/Importer.hpp>
-
+#include "renderer/mesh/assimp_mesh.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -20,7 +19,25 @@ constexpr int kUnused = aiComponent_COLORS | aiComponent_TANGENTS_AND_BITANGENTS
                         aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS | aiComponent_TEXTURES |
                         aiComponent_LIGHTS | aiComponent_CAMERAS;
 
-void append(const aiMesh& part, TriangleMesh& mesh, const std::filesystem::path& file) {
+bool has_polygons(const aiScene& scene) {
+  for (unsigned int m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned int i = 0; i < scene.mMeshes[m]->mNumFaces; ++i)
+      if (scene.mMeshes[m]->mFaces[i].mNumIndices > 3) return true;
+  return false;
+}
+
+const aiScene* read_scene(Assimp::Importer& importer, const std::string& file) {
+  const aiScene* scene = importer.ReadFile(file, kReading);
+  if (scene == nullptr) return nullptr;
+  // Debian's assimp keeps its assertions, and one in the triangulation ends the process when there
+  // is nothing to triangulate but, say, a line.
+  const unsigned int triangulate = has_polygons(*scene) ? aiProcess_Triangulate : 0u;
+  return importer.ApplyPostProcessing(kCleaning | triangulate);
+}
+
+}  // namespace
+
+void append_assimp_mesh(const aiMesh& part, TriangleMesh& mesh, const std::filesystem::path& file) {
   const std::size_t first = mesh.positions.size();
   if (first + part.mNumVertices > 0x7fffffffu)
     throw MeshError(file.string() + ": more than 2^31 vertices");
@@ -46,26 +63,7 @@ void append(const aiMesh& part, TriangleMesh& mesh, const std::filesystem::path&
   }
 }
 
-bool has_polygons(const aiScene& scene) {
-  for (unsigned int m = 0; m < scene.mNumMeshes; ++m)
-    for (unsigned int i = 0; i < scene.mMeshes[m]->mNumFaces; ++i)
-      if (scene.mMeshes[m]->mFaces[i].mNumIndices > 3) return true;
-  return false;
-}
-
-const aiScene* read_scene(Assimp::Importer& importer, const std::string& file) {
-  const aiScene* scene = importer.ReadFile(file, kReading);
-  if (scene == nullptr) return nullptr;
-  // Debian's assimp keeps its assertions, and one in the triangulation ends the process when there
-  // is nothing to triangulate but, say, a line.
-  const unsigned int triangulate = has_polygons(*scene) ? aiProcess_Triangulate : 0u;
-  return importer.ApplyPostProcessing(kCleaning | triangulate);
-}
-
-}  // namespace
-
-TriangleMesh read_with_assimp(const std::filesystem::path& file) {
-  Assimp::Importer importer;
+const aiScene& read_assimp_scene(Assimp::Importer& importer, const std::filesystem::path& file) {
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, kUnused);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -77,14 +75,20 @@ TriangleMesh read_with_assimp(const std::filesystem::path& file) {
   }
   if (scene == nullptr)
     throw MeshError(fmt::format("{}: {}", file.string(), importer.GetErrorString()));
+  return *scene;
+}
+
+TriangleMesh read_with_assimp(const std::filesystem::path& file) {
+  Assimp::Importer importer;
+  const aiScene& scene = read_assimp_scene(importer, file);
 
   // In these three formats every node has the identity transform: meshes can be taken as they are.
   TriangleMesh mesh;
   bool any_normals = false, any_uvs = false;
-  for (unsigned int i = 0; i < scene->mNumMeshes; ++i) {
-    const aiMesh& part = *scene->mMeshes[i];
+  for (unsigned int i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& part = *scene.mMeshes[i];
     if ((part.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;
-    append(part, mesh, file);
+    append_assimp_mesh(part, mesh, file);
     any_normals = any_normals || part.HasNormals();
     any_uvs = any_uvs || part.HasTextureCoords(0);
   }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "renderer/mesh/model_readers.h"
 #include "renderer/mesh/normals.h"
 #include "renderer/mesh/obj_numbers.h"
 #include "renderer/mesh/readers.h"
@@ -65,7 +66,10 @@ void validate_mesh(const TriangleMesh& mesh, const fs::path& file) {
     }
 }
 
-TriangleMesh load_mesh(const fs::path& file) {
+namespace {
+
+// The extension of a file that is there and of a known kind.
+std::string check_file(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) throw MeshError(file.string() + ": no such file");
   if (fs::is_directory(file, error)) throw MeshError(file.string() + ": is a directory");
@@ -77,8 +81,23 @@ TriangleMesh load_mesh(const fs::path& file) {
     throw MeshError(fmt::format("{}: not a mesh format that can be read; extensions: {}",
                                 file.string(), fmt::join(known, ", ")));
   if (extension == ".obj") check_obj_numbers(file);
-  TriangleMesh mesh =
-      extension == ".gltf" || extension == ".glb" ? read_gltf(file) : read_with_assimp(file);
+  return extension;
+}
+
+bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
+
+}  // namespace
+
+Model load_model(const fs::path& file, const std::function<void(const std::string&)>& warn) {
+  const auto tell = [&](const std::string& message) {
+    if (warn) warn(file.string() + ": " + message);
+  };
+  return is_gltf(check_file(file)) ? read_gltf_model(file, tell)
+                                   : read_model_with_assimp(file, tell);
+}
+
+TriangleMesh load_mesh(const fs::path& file) {
+  TriangleMesh mesh = is_gltf(check_file(file)) ? read_gltf(file) : read_with_assimp(file);
   validate_mesh(mesh, file);
   normalise_normals(mesh);
   return mesh;

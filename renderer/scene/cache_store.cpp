@@ -72,6 +72,21 @@ CacheInspection inspect_cache(const fs::path& file, const std::string& field_has
   return found;
 }
 
+std::vector<std::string> topology_warnings(const std::string& geometry,
+                                           const topology::Topology& topology) {
+  std::vector<std::string> warnings;
+  if (const auto& place = topology.touches_box)
+    warnings.push_back(
+        fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, {:.4g}) "
+                    "and is cut there",
+                    geometry, place->x, place->y, place->z));
+  if (!topology.certified)
+    warnings.push_back(
+        fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
+                    geometry, topology.unresolved_cells, topology.unresolved_faces));
+  return warnings;
+}
+
 StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
                             const topology::Execution& execution, const Warn& warn) {
   const auto known = by_hash_.find(hypertexture.hash);

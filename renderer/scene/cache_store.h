@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "hypertexture_geom/field/field.h"
 #include "renderer/scene/scene_json.h"
@@ -37,6 +38,11 @@ struct StoredCache {
   bool built = false;  // rather than read
 };
 
+// What the user of a geometry should know of its topology: where the surface reaches the box and is
+// cut, and how much stayed undecided.
+std::vector<std::string> topology_warnings(const std::string& geometry,
+                                           const topology::Topology& topology);
+
 // Hands out caches for a scene's geometries; geometries of one fingerprint share one cache.
 class CacheStore {
  public:
@@ -57,9 +63,8 @@ class CacheStore {
 
 // Builds the cache and writes it to `file`, making the folder. What a build of more than a few
 // seconds has done when it is interrupted is kept in FILE.partial, and the next one goes on from
-// there. Throws topology::CacheError when it
-// cannot be written (before the build, if that can be known then) and what topology::run_engine
-// throws.
+// there. Throws topology::CacheError when it cannot be written (before the build, if that can be
+// known then) and what topology::run_engine throws.
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const std::filesystem::path& file,
     const topology::Execution& execution, const topology::EngineOptions& engine = {});

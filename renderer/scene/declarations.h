@@ -11,9 +11,16 @@ const params::Declaration& scene_declaration();
 const params::Declaration& camera_declaration();
 const params::Declaration& render_declaration();
 
+const params::Declaration& image_texture_declaration();
+const params::Declaration& ramp_texture_declaration();
+const params::Declaration& checker_texture_declaration();
+
+const params::Declaration& model_declaration();
+
 const params::Declaration& diffuse_declaration();
 const params::Declaration& conductor_declaration();
 const params::Declaration& dielectric_declaration();
+const params::Declaration& principled_declaration();
 
 const params::Declaration& mesh_declaration();
 const params::Declaration& rectangle_declaration();
@@ -22,6 +29,11 @@ const params::Declaration& sphere_declaration();
 const params::Declaration& instance_declaration();
 
 const params::Declaration& environment_light_declaration();
+const params::Declaration& sky_light_declaration();
 const params::Declaration& rectangle_light_declaration();
+const params::Declaration& disk_light_declaration();
+const params::Declaration& sphere_light_declaration();
+const params::Declaration& point_light_declaration();
+const params::Declaration& distant_light_declaration();
 
 }  // namespace morsel::render

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <utility>
 
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/mesh/mesh_file.h"
@@ -13,8 +14,10 @@
 #include "renderer/mesh/primitives.h"
 #include "renderer/scene/cache_store.h"
 #include "renderer/scene/declarations.h"
+#include "renderer/scene/model.h"
 #include "renderer/scene/readers.h"
 #include "renderer/scene/scene_json.h"
+#include "renderer/scene/transform.h"
 
 namespace morsel::render {
 namespace {
@@ -42,6 +45,7 @@ class SceneLoader {
     attempt([&] {
       scene_.settings = read_settings(section("render", kNoObject), document_.place() / "render");
     });
+    load_textures();
     load_materials();
     load_lights();
     if (list_all_geometries()) {
@@ -49,6 +53,7 @@ class SceneLoader {
       load_geometries();
       keep_used_geometries();
     }
+    load_models();
     return std::move(result_);
   }
 
@@ -85,6 +90,46 @@ class SceneLoader {
     if (options_.warn) options_.warn(message);
   }
 
+  void load_textures() {
+    for_each("textures", [&](const json& object, const Place& place, std::size_t) {
+      Texture texture = read_texture(object, place);
+      for (const Texture& other : scene_.textures)
+        if (other.name == texture.name)
+          (place / "name").fail(fmt::format("\"{}\" is the name of another texture", texture.name));
+      if (auto* image = std::get_if<ImageTexture>(&texture.kind)) {
+        if (image->file.find("<UDIM>") == std::string::npos)
+          image->file = readable_image(image->file, place / "file");
+        else
+          image->file = std::filesystem::absolute(document_.resolve(image->file)).string();
+      }
+      scene_.textures.push_back(std::move(texture));
+    });
+  }
+
+  void load_models() {
+    for_each("models", [&](const json& object, const Place& place, std::size_t) {
+      const JsonReader reader(object, model_declaration(), place);
+      const std::filesystem::path file = document_.resolve(reader.string("file"));
+      Model model;
+      try {
+        model = load_model(file, options_.warn);
+      } catch (const MeshError& e) {
+        (place / "file").fail(e.what());
+      }
+      ModelPlacement placement;
+      placement.name = reader.string("name");
+      if (placement.name.empty()) placement.name = file.stem().string();
+      placement.transform = make_transform(reader.vector3("scale"), reader.vector3("rotate"),
+                                           reader.vector3("translate"));
+      if (!is_invertible(placement.transform))
+        (place / "scale").fail("must not flatten the model: no component may be 0");
+      placement.lights = reader.boolean("lights");
+      placement.camera =
+          reader.boolean("camera") && document_.root().find("camera") == document_.root().end();
+      add_model(std::move(model), placement, scene_);
+    });
+  }
+
   void load_materials() {
     for_each("materials", [&](const json& object, const Place& place, std::size_t) {
       // The name counts even if the rest is wrong: instances that use it are not to blame.
@@ -96,7 +141,7 @@ class SceneLoader {
           std::find(material_names_.begin(), material_names_.end(), name) != material_names_.end();
       material_names_.push_back(name);
       scene_.materials.emplace_back();
-      scene_.materials.back() = read_material(object, place);
+      scene_.materials.back() = read_material(object, place, scene_);
       if (repeated)
         (place / "name").fail(fmt::format("\"{}\" is the name of another material", name));
     });
@@ -104,16 +149,12 @@ class SceneLoader {
 
   void load_lights() {
     for_each("lights", [&](const json& object, const Place& place, std::size_t) {
-      const auto light = read_light(object, place);
-      if (const auto* rectangle = std::get_if<RectangleLight>(&light)) {
-        scene_.rectangles.push_back(*rectangle);
-        return;
-      }
-      if (scene_.environment) place.fail("a scene has at most one environment light");
-      EnvironmentLight environment = std::get<EnvironmentLight>(light);
-      if (!environment.file.empty())
-        environment.file = readable_image(environment.file, place / "file");
-      scene_.environment = std::move(environment);
+      const bool had_environment = scene_.environment.has_value();
+      read_light(object, place, scene_);
+      if (had_environment || !scene_.environment || scene_.environment->file.empty()) return;
+      std::string& file = scene_.environment->file;
+      const std::string name = std::exchange(file, "");
+      file = readable_image(name, place / "file");
     });
   }
 
@@ -149,6 +190,10 @@ class SceneLoader {
       Instance instance;
       instance.name = entry.name;
       instance.object_to_world = entry.object_to_world;
+      instance.object_to_world_end = entry.object_to_world_end;
+      instance.visible_to_camera = entry.visible_to_camera;
+      instance.visible_to_bounces = entry.visible_to_bounces;
+      instance.casts_shadow = entry.casts_shadow;
       instance.geometry =
           find_name(entry.geometry, geometry_names_, "geometry", place / "geometry");
       instance.material =
@@ -224,15 +269,7 @@ class SceneLoader {
       const geom::Hypertexture& hypertexture) {
     const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
     const topology::Topology& topology = stored.cache->topology;
-    if (topology.touches_box)
-      warn(
-          fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, "
-                      "{:.4g}) and is cut there",
-                      hypertexture.name, topology.touches_box->x, topology.touches_box->y,
-                      topology.touches_box->z));
-    if (!topology.certified)
-      warn(fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
-                       hypertexture.name, topology.unresolved_cells, topology.unresolved_faces));
+    for (const std::string& text : topology_warnings(hypertexture.name, topology)) warn(text);
     geom::GeometryOptions ray_options;
     ray_options.keep = hypertexture.keep;
     ray_options.solver = hypertexture.solver;

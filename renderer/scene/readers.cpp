@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "renderer/scene/declarations.h"
+#include "renderer/scene/reader_tools.h"
 #include "renderer/scene/transform.h"
 
 namespace morsel::render {
@@ -15,77 +16,9 @@ using nlohmann::json;
 using params::JsonReader;
 using params::Place;
 
-Imath::V3f to_float(const Imath::V3d& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-// Angle between `a` and `b` so small that their cross product gives no direction.
-bool nearly_parallel(const Imath::V3d& a, const Imath::V3d& b) {
-  return a.cross(b).length() <= 1e-6 * a.length() * b.length();
-}
-
-EnvironmentLight read_environment(const json& object, const Place& place) {
-  const JsonReader reader(object, environment_light_declaration(), place);
-  EnvironmentLight light;
-  light.file = reader.string("file");
-  light.radiance = to_float(reader.vector3("radiance"));
-  light.rotation = static_cast<float>(reader.number("rotation"));
-  light.visible_to_camera = reader.boolean("visible_to_camera");
-  return light;
-}
-
-void place_by_edges(RectangleLight& light, const JsonReader& reader, const Place& place) {
-  for (const char* key : {"corner", "edge_u", "edge_v"})
-    if (!reader.has(key))
-      place.fail(fmt::format("missing key \"{}\": corner, edge_u and edge_v go together", key));
-  const Imath::V3d u = reader.vector3("edge_u"), v = reader.vector3("edge_v");
-  if (u.length() == 0 || v.length() == 0 || nearly_parallel(u, v))
-    (place / "edge_v").fail("edge_u and edge_v must span a rectangle, but are parallel or zero");
-  if (std::abs(u.dot(v)) > 1e-4 * u.length() * v.length())
-    (place / "edge_v").fail("edge_v must be perpendicular to edge_u");
-  light.corner = to_float(reader.vector3("corner"));
-  light.edge_u = to_float(u);
-  light.edge_v = to_float(v);
-}
-
-void place_by_centre(RectangleLight& light, const JsonReader& reader, const Place& place) {
-  for (const char* key : {"position", "look_at", "size"})
-    if (!reader.has(key))
-      place.fail(fmt::format("missing key \"{}\": position, look_at and size go together", key));
-  const Imath::V3d position = reader.vector3("position");
-  const Imath::V3d towards = reader.vector3("look_at") - position;
-  if (!(towards.length() > 0)) (place / "look_at").fail("must differ from position");
-  const Imath::V3d facing = towards.normalized();
-  const Imath::V3d up =
-      nearly_parallel(facing, {0, 1, 0}) ? Imath::V3d(0, 0, 1) : Imath::V3d(0, 1, 0);
-  const Imath::V3d u = up.cross(facing).normalized();
-  const Imath::V3d v = facing.cross(u);
-  const Imath::V2d size = reader.vector2("size");
-  light.corner = to_float(position - u * (size.x / 2) - v * (size.y / 2));
-  light.edge_u = to_float(u * size.x);
-  light.edge_v = to_float(v * size.y);
-}
-
-RectangleLight read_rectangle_light(const json& object, const Place& place) {
-  const JsonReader reader(object, rectangle_light_declaration(), place);
-  RectangleLight light;
-  light.name = reader.string("name");
-  const bool by_edges = reader.has("corner") || reader.has("edge_u") || reader.has("edge_v");
-  const bool by_centre = reader.has("position") || reader.has("look_at") || reader.has("size");
-  if (by_edges && by_centre)
-    place.fail("corner, edge_u, edge_v and position, look_at, size exclude each other");
-  if (by_centre)
-    place_by_centre(light, reader, place);
-  else
-    place_by_edges(light, reader, place);
-  light.radiance = to_float(reader.vector3("radiance"));
-  light.visible_to_camera = reader.boolean("visible_to_camera");
-  return light;
-}
-
 }  // namespace
 
-PerspectiveCamera read_camera(const json& object, const Place& place) {
+SceneCamera read_camera(const json& object, const Place& place) {
   const JsonReader reader(object, camera_declaration(), place);
   const Imath::V3d position = reader.vector3("position"), look_at = reader.vector3("look_at");
   const Imath::V3d up = reader.vector3("up");
@@ -93,11 +26,24 @@ PerspectiveCamera read_camera(const json& object, const Place& place) {
     (place / "look_at").fail("must differ from the camera's position");
   if (!(up.length() > 0) || nearly_parallel(up, look_at - position))
     (place / "up").fail("must not be zero nor parallel to the viewing direction");
-  PerspectiveCamera camera;
+  SceneCamera camera;
   camera.position = to_float(position);
   camera.look_at = to_float(look_at);
   camera.up = to_float(up);
+  const std::string type = reader.string("type");
+  camera.projection = type == "perspective"    ? Projection::kPerspective
+                      : type == "orthographic" ? Projection::kOrthographic
+                                               : Projection::kSpherical;
   camera.vertical_fov = static_cast<float>(reader.number("vertical_fov"));
+  camera.height = static_cast<float>(reader.number("height"));
+  camera.aperture_radius = static_cast<float>(reader.number("aperture_radius"));
+  camera.focus_distance = static_cast<float>(reader.number("focus_distance"));
+  camera.blades = static_cast<int>(reader.integer("blades"));
+  camera.blade_rotation = static_cast<float>(reader.number("blade_rotation"));
+  const Imath::V2d shutter = reader.vector2("shutter");
+  if (shutter.x > shutter.y) (place / "shutter").fail("must not close before it opens");
+  camera.shutter_open = static_cast<float>(shutter.x);
+  camera.shutter_close = static_cast<float>(shutter.y);
   return camera;
 }
 
@@ -110,43 +56,29 @@ RenderSettings read_settings(const json& object, const Place& place) {
   settings.width = static_cast<int>(resolution.x);
   settings.height = static_cast<int>(resolution.y);
   settings.spp = static_cast<int>(reader.integer("spp"));
+  settings.noise_target = static_cast<float>(reader.number("noise_target"));
+  settings.min_spp = static_cast<int>(reader.integer("min_spp"));
+  const std::string filter = reader.string("filter");
+  settings.filter = filter == "box"        ? PixelFilter::kBox
+                    : filter == "triangle" ? PixelFilter::kTriangle
+                    : filter == "gaussian" ? PixelFilter::kGaussian
+                                           : PixelFilter::kBlackmanHarris;
+  settings.filter_radius = reader.has("filter_radius")
+                               ? static_cast<float>(reader.number("filter_radius"))
+                           : filter == "box"      ? 0.5f
+                           : filter == "triangle" ? 1.0f
+                                                  : 1.5f;
+  settings.texture_memory = static_cast<int>(reader.integer("texture_memory"));
+  settings.cryptomatte = reader.boolean("cryptomatte");
   settings.max_depth = static_cast<int>(reader.integer("max_depth"));
   settings.seed = static_cast<std::uint32_t>(reader.integer("seed"));
+  settings.max_diffuse_depth = static_cast<int>(reader.integer("max_diffuse_depth"));
+  settings.max_glossy_depth = static_cast<int>(reader.integer("max_glossy_depth"));
+  settings.max_transmission_depth = static_cast<int>(reader.integer("max_transmission_depth"));
+  settings.indirect_clamp = static_cast<float>(reader.number("indirect_clamp"));
   settings.exposure = static_cast<float>(reader.number("exposure"));
   settings.regularization = static_cast<float>(reader.number("regularization"));
   return settings;
-}
-
-Material read_material(const json& object, const Place& place) {
-  const std::string type = params::type_of(object, {"diffuse", "conductor", "dielectric"}, place);
-  const params::Declaration& declaration = type == "diffuse"     ? diffuse_declaration()
-                                           : type == "conductor" ? conductor_declaration()
-                                                                 : dielectric_declaration();
-  const JsonReader reader(object, declaration, place);
-  Material material;
-  material.name = reader.string("name");
-  material.color = to_float(reader.vector3("color"));
-  if (type == "diffuse") {
-    material.type = MaterialType::kDiffuse;
-    if (reader.has("checker_color"))
-      material.checker_color = to_float(reader.vector3("checker_color"));
-    material.checker_size = static_cast<float>(reader.number("checker_size"));
-    return material;
-  }
-  material.roughness = static_cast<float>(reader.number("roughness"));
-  if (type == "conductor") {
-    material.type = MaterialType::kConductor;
-    return material;
-  }
-  material.type = MaterialType::kDielectric;
-  material.ior = static_cast<float>(reader.number("ior"));
-  return material;
-}
-
-std::variant<EnvironmentLight, RectangleLight> read_light(const json& object, const Place& place) {
-  const std::string type = params::type_of(object, {"environment", "rectangle"}, place);
-  if (type == "environment") return read_environment(object, place);
-  return read_rectangle_light(object, place);
 }
 
 InstanceEntry read_instance(const json& object, const Place& place) {
@@ -157,9 +89,13 @@ InstanceEntry read_instance(const json& object, const Place& place) {
   if (reader.has("detached_material")) entry.detached_material = reader.string("detached_material");
   entry.name = reader.string("name");
   if (entry.name.empty()) entry.name = entry.geometry;
+  entry.visible_to_camera = reader.boolean("visible_to_camera");
+  entry.visible_to_bounces = reader.boolean("visible_to_bounces");
+  entry.casts_shadow = reader.boolean("casts_shadow");
 
   if (reader.has("transform")) {
-    for (const char* key : {"translate", "rotate", "scale"})
+    for (const char* key :
+         {"translate", "rotate", "scale", "translate_end", "rotate_end", "scale_end"})
       if (reader.has(key)) (place / key).fail("cannot be combined with \"transform\"");
     entry.object_to_world = read_transform(reader.object("transform"), reader.place("transform"));
     return entry;
@@ -168,6 +104,19 @@ InstanceEntry read_instance(const json& object, const Place& place) {
                                          reader.vector3("translate"));
   if (!is_invertible(entry.object_to_world))
     (place / "scale").fail("must not flatten the geometry: no component may be 0");
+  const auto end = [&](const char* key, const char* start) {
+    return reader.vector3(reader.has(key) ? key : start);
+  };
+  if (reader.has("translate_end") || reader.has("rotate_end") || reader.has("scale_end")) {
+    entry.object_to_world_end = make_transform(
+        end("scale_end", "scale"), end("rotate_end", "rotate"), end("translate_end", "translate"));
+    for (int k = 0; k <= 16; ++k) {
+      const double t = k / 16.0;
+      if (!is_invertible(entry.object_to_world * (1.0 - t) + *entry.object_to_world_end * t))
+        (place / (reader.has("scale_end") ? "scale_end" : "rotate_end"))
+            .fail("the straight way to there flattens the geometry");
+    }
+  }
   return entry;
 }
 

@@ -108,12 +108,13 @@ std::vector<std::pair<std::string, json>> kinds() {
   return all;
 }
 
-int all_kinds(int boxes) {
+int all_kinds(int boxes, std::string_view part_of_name) {
   fmt::print(
       "{} boxes that meet the surface: median and 95 % of bound / sampled range\n{:24}{:>8}  "
       "{:^17}   {:^17}\n",
       boxes, "", "side", "value", "gradient");
   for (const auto& [name, description] : kinds()) {
+    if (name.find(part_of_name) == std::string::npos) continue;
     const auto field = geom::testing::field_of(description);
     for (const int part : {4, 16, 64, 256}) {
       const Ratios r = measure(*field, 1.0 / part, boxes, 8);
@@ -128,7 +129,8 @@ int all_kinds(int boxes) {
 
 int main(int argc, char** argv) {
   const int boxes = argc > 2 ? std::atoi(argv[2]) : 400;
-  if (argc > 1 && std::string_view(argv[1]) == "kinds") return all_kinds(argc > 2 ? boxes : 100);
+  if (argc > 1 && std::string_view(argv[1]) == "kinds")
+    return all_kinds(argc > 2 ? boxes : 100, argc > 3 ? argv[3] : "");
   const int layers = argc > 1 ? std::atoi(argv[1]) : 1;
   const auto field = geom::testing::field_of(geom::testing::eq13_json(layers, 1));
   const double radius = 1.0 / (3.0 * (1 << (layers - 1)));

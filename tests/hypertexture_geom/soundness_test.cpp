@@ -52,9 +52,21 @@ TEST(Soundness, TheReferenceIsTheSameField) {
       EXPECT_NEAR(jet.value, static_cast<double>(expected.v), slack) << description;
       double bend = 1.0;
       for (const double h : jet.hessian) bend = std::max(bend, std::abs(h));
-      for (int a = 0; a < 3; ++a)
+      for (int a = 0; a < 3; ++a) {
         EXPECT_NEAR(jet.gradient[a], static_cast<double>(expected.g[a]), 1e-13 * bend)
             << description;
+        // The reference's own derivatives: differences in long double.
+        constexpr long double kStep = 1e-7L;
+        long double ends[2];
+        for (int side = 0; side < 2; ++side) {
+          long double y[3] = {x.x, x.y, x.z};
+          y[a] += side == 0 ? -kStep : kStep;
+          ends[side] = reference->at(y[0], y[1], y[2]).v;
+        }
+        EXPECT_NEAR(static_cast<double>((ends[1] - ends[0]) / (2.0L * kStep)),
+                    static_cast<double>(expected.g[a]), 1e-9 * bend * bend)
+            << description;
+      }
     }
   }
 }

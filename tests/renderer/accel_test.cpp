@@ -43,7 +43,7 @@ TEST_P(PlacedSphere, SpawnedRaysNeverHitTheirOwnSurface) {
     ray.origin = c + (on_sphere(w) - c) * 3.0f;
     ray.direction = on_sphere(random.direction() * 0.7f) - ray.origin;
     SurfaceInteraction s;
-    if (!accel.intersect(ray, RayKind::kOther, s)) continue;
+    if (!accel.intersect(ray, RayKind::kBounce, s)) continue;
     ++hits;
     ASSERT_LT(dot(ray.direction, s.geometric_normal), 0.0f) << "normals point out";
     for (int k = 0; k < 4; ++k) {
@@ -54,7 +54,7 @@ TEST_P(PlacedSphere, SpawnedRaysNeverHitTheirOwnSurface) {
       spawned.origin = s.spawn(d);
       spawned.direction = d;
       SurfaceInteraction next;
-      const bool hit = accel.intersect(spawned, RayKind::kOther, next);
+      const bool hit = accel.intersect(spawned, RayKind::kBounce, next);
       ASSERT_EQ(hit, accel.occluded(spawned));
       if (out) {
         ASSERT_FALSE(hit) << "sample " << i << ", prim " << s.primitive << " t " << next.t;
@@ -81,7 +81,7 @@ TEST_P(PlacedSphere, SpawnPointsAreCloseToTheSurface) {
     ray.origin = c + (on_sphere(random.direction()) - c) * 3.0f;
     ray.direction = c - ray.origin;
     SurfaceInteraction s;
-    ASSERT_TRUE(accel.intersect(ray, RayKind::kOther, s));
+    ASSERT_TRUE(accel.intersect(ray, RayKind::kBounce, s));
     const float scale = max_abs(c) + max_abs(ray.origin - c);
     EXPECT_LT((s.spawn_front - s.p).length(), 2e-4f * scale);
     EXPECT_GT(dot(s.spawn_front - s.spawn_behind, s.geometric_normal), 0.0f);
@@ -147,7 +147,7 @@ TEST(SceneAccel, LightsAreGeometryThatMayHideFromTheCamera) {
   ray.origin = V3f(0.0f);
   ray.direction = V3f(0, 1, 0);
   SurfaceInteraction s;
-  ASSERT_TRUE(accel.intersect(ray, RayKind::kOther, s));
+  ASSERT_TRUE(accel.intersect(ray, RayKind::kBounce, s));
   EXPECT_EQ(s.light, 0u);
   EXPECT_EQ(s.instance, kNoIndex);
   EXPECT_EQ(s.geometric_normal, V3f(0, -1, 0));

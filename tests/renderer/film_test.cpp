@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/film/film.h"
+#include "renderer/film/pixel_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +55,7 @@ TEST(PixelAccumulator, WithoutSamplesIsEmpty) {
 }
 
 TEST(Camera, LooksWhereItShould) {
-  PerspectiveCamera c;
+  SceneCamera c;
   c.position = V3f(0, 0, 5);
   c.vertical_fov = 90.0f;
   const Camera camera(c, 200, 100);
@@ -65,7 +66,7 @@ TEST(Camera, LooksWhereItShould) {
 }
 
 TEST(Camera, MatricesAgreeWithItsDirections) {
-  PerspectiveCamera c;
+  SceneCamera c;
   c.position = V3f(3, -2, 5);
   c.look_at = V3f(-1, 1, 0.5f);
   c.up = V3f(0.1f, 1, 0.3f);
@@ -81,8 +82,82 @@ TEST(Camera, MatricesAgreeWithItsDirections) {
   }
 }
 
+TEST(Camera, SphericalSeesEveryDirection) {
+  SceneCamera c;
+  c.projection = Projection::kSpherical;
+  const Camera camera(c, 200, 100);
+  EXPECT_NEAR((camera.direction(100, 50) - V3f(0, 0, -1)).length(), 0.0f, 1e-5f);
+  EXPECT_NEAR((camera.direction(150, 50) - V3f(1, 0, 0)).length(), 0.0f, 1e-5f);
+  EXPECT_NEAR((camera.direction(70, 0) - V3f(0, 1, 0)).length(), 0.0f, 1e-5f);
+  EXPECT_NEAR((camera.direction(0, 50) - V3f(0, 0, 1)).length(), 0.0f, 1e-5f);
+}
+
+TEST(Camera, LensRaysMeetInTheFocus) {
+  SceneCamera c;
+  c.position = V3f(1, 2, 5);
+  c.aperture_radius = 0.3f;
+  c.focus_distance = 4.0f;
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic})
+    for (const int blades : {0, 5}) {
+      c.projection = projection;
+      c.blades = blades;
+      const Camera camera(c, 64, 48);
+      const auto focus = [&](const V2f& lens) {
+        const Ray ray = camera.ray(12.3f, 31.0f, lens, 0.0f);
+        const float t = 4.0f / dot(ray.direction, camera.forward());
+        EXPECT_LE((ray.origin - camera.ray(12.3f, 31.0f, V2f(0.5f), 0.0f).origin).length(), 0.61f);
+        return ray.origin + ray.direction * t;
+      };
+      for (const V2f& lens : {V2f(0.1f, 0.9f), V2f(0.7f, 0.2f), V2f(0.99f, 0.5f)})
+        EXPECT_NEAR((focus(lens) - focus(V2f(0.4f, 0.4f))).length(), 0.0f, 1e-5f);
+    }
+}
+
+// The offsets' moments are those of the filters.
+TEST(PixelFilters, HaveTheirShape) {
+  const auto variance = [](PixelFilter filter) {
+    const FilterSampler sampler(filter, 2.0f);
+    double mean = 0.0, square_mean = 0.0;
+    constexpr int kCount = 10000;
+    for (int i = 0; i < kCount; ++i) {
+      const double x = sampler.sample(V2f((static_cast<float>(i) + 0.5f) / kCount, 0.5f)).x;
+      EXPECT_LE(std::abs(x), 2.0);
+      mean += x / kCount;
+      square_mean += x * x / kCount;
+    }
+    EXPECT_NEAR(mean, 0.0, 1e-3);
+    return square_mean;
+  };
+  EXPECT_NEAR(variance(PixelFilter::kBox), 4.0 / 3.0, 1e-3);
+  EXPECT_NEAR(variance(PixelFilter::kTriangle), 4.0 / 6.0, 3e-3);
+  // A standard deviation of a third of the radius, a little less for the cut ends.
+  EXPECT_NEAR(variance(PixelFilter::kGaussian), 4.0 / 9.0, 0.05);
+  EXPECT_LT(variance(PixelFilter::kBlackmanHarris), variance(PixelFilter::kGaussian));
+}
+
+// Hashes of the reference implementation of MurmurHash3_x86_32 with seed 0.
+TEST(Cryptomatte, HashesAsSpecified) {
+  EXPECT_EQ(cryptomatte::murmur3(""), 0u);
+  EXPECT_EQ(cryptomatte::murmur3("hello"), 0x248bfa47u);
+  EXPECT_EQ(cryptomatte::murmur3("hello, world"), 0x149bbb7fu);
+  EXPECT_EQ(cryptomatte::murmur3("The quick brown fox jumps over the lazy dog"), 0x2e4ff723u);
+  for (int i = 0; i < 20000; ++i)
+    EXPECT_TRUE(std::isnormal(cryptomatte::as_float(cryptomatte::id_of(std::to_string(i)))));
+  EXPECT_EQ(cryptomatte::manifest_of({{"a\"b", 0x12u}}), "{\"a\\\"b\":\"00000012\"}");
+}
+
+TEST(Cryptomatte, RanksByShare) {
+  cryptomatte::Accumulator a;
+  for (const std::uint32_t id : {5u, 7u, 7u, 0u, 7u, 9u, 9u, 1u}) a.add(id);
+  const auto ranks = a.ranks(8);
+  EXPECT_EQ(ranks[0].id, 7u);
+  EXPECT_EQ(ranks[0].coverage, 3.0f / 8.0f);
+  EXPECT_EQ(ranks[1].id, 9u);
+  EXPECT_EQ(ranks[4].coverage, 0.0f);
+}
+
 TEST(Camera, UpAlongTheViewIsReplaced) {
-  PerspectiveCamera c;
+  SceneCamera c;
   c.position = V3f(0, 5, 0);
   const Camera camera(c, 10, 10);
   EXPECT_TRUE(is_finite(camera.direction(3, 4)));

@@ -82,7 +82,7 @@ TEST_P(PlacedBall, SpawnedRaysAreOnTheSideTheyShouldBe) {
     ray.origin = centre + (to_world(random.direction()) - centre) * 3.0f;
     ray.direction = to_world(random.direction() * 0.7f) - ray.origin;
     SurfaceInteraction s;
-    ASSERT_TRUE(accel.intersect(ray, RayKind::kOther, s));
+    ASSERT_TRUE(accel.intersect(ray, RayKind::kBounce, s));
     ++hits;
     ASSERT_LT(dot(ray.direction, s.geometric_normal), 0.0f) << "normals point out";
     ASSERT_NEAR(dot(s.geometric_normal, s.geometric_normal), 1.0f, 1e-5f);
@@ -95,7 +95,7 @@ TEST_P(PlacedBall, SpawnedRaysAreOnTheSideTheyShouldBe) {
       spawned.origin = s.spawn(d);
       spawned.direction = d;
       SurfaceInteraction next;
-      const bool hit = accel.intersect(spawned, RayKind::kOther, next);
+      const bool hit = accel.intersect(spawned, RayKind::kBounce, next);
       if (cosine > 0.0f) {
         ASSERT_FALSE(hit) << i << ", t " << next.t << ", cosine " << cosine;
       } else if (cosine < -0.05f) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "renderer/film/cryptomatte.h"
 #include "renderer/image/exr.h"
 #include "renderer/image/png.h"
 #include "renderer/image/tone_map.h"
@@ -44,6 +45,57 @@ class Images : public ::testing::Test {
   fs::path directory_;
   Scene scene_;
 };
+
+// Mattes as the specification has them: the ID's bits, shares that sum to what is covered, and a
+// manifest that names the ID. The layers of light groups and the first hit's.
+TEST_F(Images, ExrHasMattesGroupsAndFirstHits) {
+  scene_.settings.crop.reset();
+  scene_.settings.cryptomatte = true;
+  scene_.instances[0].name = "the ball";
+  scene_.materials[0].name = "clay";
+  scene_.light_groups = {"sky"};
+  scene_.environment->group = 0;
+  scene_.camera.position = V3f(0, 0, 5);
+  const RenderResult result = render(scene_);
+  const fs::path path = directory_ / "image.exr";
+  write_exr(path, scene_, result);
+
+  const auto in = OIIO::ImageInput::open(path.string());
+  ASSERT_TRUE(in) << OIIO::geterror();
+  const OIIO::ImageSpec& spec = in->spec();
+  const std::string key = "cryptomatte/" + cryptomatte::key_of("crypto_object") + "/";
+  EXPECT_EQ(spec.get_string_attribute(key + "name"), "crypto_object");
+  EXPECT_EQ(spec.get_string_attribute(key + "hash"), "MurmurHash3_32");
+  EXPECT_EQ(spec.get_string_attribute(key + "conversion"), "uint32_to_float32");
+  const std::uint32_t id = cryptomatte::id_of("the ball");
+  EXPECT_EQ(std::string(spec.get_string_attribute(key + "manifest")),
+            cryptomatte::manifest_of({{"the ball", id}}));
+
+  std::vector<float> data(static_cast<std::size_t>(40 * 30 * spec.nchannels));
+  ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.data()));
+  const auto value = [&](const char* channel, int x, int y) {
+    const int c = spec.channelindex(channel);
+    EXPECT_GE(c, 0) << channel;
+    return data[static_cast<std::size_t>((y * 40 + x) * spec.nchannels + c)];
+  };
+  EXPECT_EQ(value("crypto_object00.R", 20, 15), cryptomatte::as_float(id));
+  EXPECT_EQ(value("crypto_object00.G", 20, 15), 1.0f);
+  EXPECT_EQ(value("crypto_object00.G", 0, 0), 0.0f);
+  EXPECT_EQ(value("crypto_material00.R", 20, 15),
+            cryptomatte::as_float(cryptomatte::id_of("clay")));
+  EXPECT_EQ(value("crypto_component00.G", 20, 15), 0.0f);  // not a hypertexture
+  bool partly = false;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) {
+      const float share = value("crypto_object00.G", x, y);
+      partly = partly || (share > 0.0f && share < 1.0f);
+      EXPECT_NEAR(value("light_sky.R", x, y), value("R", x, y), 1e-3f);
+    }
+  EXPECT_TRUE(partly);
+  EXPECT_NEAR(value("P.Z", 20, 15), 1.0f, 0.1f);
+  EXPECT_GT(value("Ng.Z", 20, 15), 0.9f);
+  EXPECT_EQ(value("steps", 20, 15), 0.0f);
+}
 
 TEST_F(Images, ExrHasEveryLayerAndTheWindows) {
   const RenderResult result = render(scene_);

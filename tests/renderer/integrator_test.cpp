@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "renderer/integrator/render.h"
+#include "tests/renderer/mean_of_film.h"
 #include "tests/renderer/statistics.h"
 #include "tests/renderer/test_scenes.h"
 
@@ -11,25 +12,6 @@ namespace morsel::render {
 namespace {
 
 using namespace testing;
-
-// Mean of the red channel over all pixels, and its standard error from the film's own variance.
-struct Mean {
-  double value = 0.0, error = 0.0;
-};
-Mean mean_of(const Film& film) {
-  Mean m;
-  double variance = 0.0;
-  const Crop& w = film.window();
-  for (int y = w.y0; y < w.y1; ++y)
-    for (int x = w.x0; x < w.x1; ++x) {
-      m.value += film.at(x, y).color.x;
-      variance += film.at(x, y).variance.x;
-    }
-  const double n = 1.0 * film.width() * film.height();
-  m.value /= n;
-  m.error = std::sqrt(variance) / n;
-  return m;
-}
 
 // All pixels see the unit sphere at the origin.
 void look_at_sphere(Scene& scene) {

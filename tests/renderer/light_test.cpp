@@ -269,10 +269,10 @@ TEST(LightSet, SumsAllLights) {
     ASSERT_GT(s.pdf, 0.0f);
     sum += s.radiance.x / s.pdf / kSamples;
     const int which = std::isinf(s.distance) ? 0 : s.radiance.x == 3.0f ? 1 : 2;
-    const float pdf =
-        which == 0 ? lights.environment_pdf(LightGroup::kAll, p, s.wi)
-                   : lights.rectangle_pdf(LightGroup::kAll, static_cast<std::size_t>(which - 1), p,
-                                          s.wi, s.distance);
+    const float pdf = which == 0
+                          ? lights.infinite_pdf(LightGroup::kAll, 0, p, s.wi)
+                          : lights.local_pdf(LightGroup::kAll, static_cast<std::size_t>(which - 1),
+                                             p, s.wi, s.distance);
     EXPECT_NEAR(pdf / s.pdf, 1.0f, 1e-3f);
     solid_angles[which] += 1.0 / s.pdf / kSamples;
   }

@@ -252,8 +252,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"TwoEnvironments",
                  R"(lights.1={"type": "environment"})",
                  {": /lights/1: ", "at most one"}},
-        BadInput{
-            "UnknownLight", "lights.1.type=spot", {": /lights/1/type: ", "environment, rectangle"}},
+        BadInput{"UnknownLight",
+                 "lights.1.type=spot",
+                 {": /lights/1/type: ", "environment, sky, rectangle"}},
         BadInput{"EnvironmentMissing", "lights.0.file=sky.exr", {": /lights/0/file: ", "sky.exr"}},
         BadInput{"NegativeRadiance",
                  "lights.0.radiance=-1",

@@ -55,20 +55,22 @@ TEST(Transform, FlatOnesAreNoticedAtAnyScale) {
 }
 
 TEST(RectangleLight, ByItsCentreFacesThePoint) {
-  const auto light = std::get<RectangleLight>(read_light({{"type", "rectangle"},
-                                                          {"position", {1, 4, 2}},
-                                                          {"look_at", {1, 0, 2}},
-                                                          {"size", {3, 2}},
-                                                          {"radiance", {1, 2, 3}}},
-                                                         {"file", ""}));
+  Scene scene;
+  read_light({{"type", "rectangle"},
+              {"position", {1, 4, 2}},
+              {"look_at", {1, 0, 2}},
+              {"size", {3, 2}},
+              {"radiance", {1, 2, 3}}},
+             {"file", ""}, scene);
+  read_light(
+      {{"type", "rectangle"}, {"position", {5, 5, 5}}, {"look_at", {0, 0, 0}}, {"size", {1, 1}}},
+      {"file", ""}, scene);
+  const RectangleLight &light = scene.rectangles.at(0), &slanted = scene.rectangles.at(1);
   const Imath::V3f normal = light.edge_u.cross(light.edge_v);
   EXPECT_NEAR((normal.normalized() - Imath::V3f(0, -1, 0)).length(), 0, 1e-6);
   EXPECT_NEAR(normal.length(), 6, 1e-5);
   EXPECT_NEAR((light.corner + (light.edge_u + light.edge_v) / 2 - Imath::V3f(1, 4, 2)).length(), 0,
               1e-6);
-  const auto slanted = std::get<RectangleLight>(read_light(
-      {{"type", "rectangle"}, {"position", {5, 5, 5}}, {"look_at", {0, 0, 0}}, {"size", {1, 1}}},
-      {"file", ""}));
   const Imath::V3f facing = slanted.edge_u.cross(slanted.edge_v).normalized();
   EXPECT_NEAR((facing - Imath::V3f(-1, -1, -1).normalized()).length(), 0, 1e-6);
   EXPECT_NEAR(slanted.edge_u.y, 0, 1e-6);  // level

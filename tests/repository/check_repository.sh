@@ -62,7 +62,7 @@ for file in "${files[@]}"; do
   # Builtins only: one process for each file would be most of the time that this takes.
   mapfile -t -n 3 top <"$file"
   case $file in
-    *.h | *.cpp | *.sh | *.py | *.cmake | CMakeLists.txt | */CMakeLists.txt | .ci/run)
+    *.h | *.c | *.cpp | *.sh | *.py | *.cmake | CMakeLists.txt | */CMakeLists.txt | .ci/run)
       [[ "${top[*]}" == *'SPDX-License-Identifier: Apache-2.0'* ]] ||
         fault "$file: no SPDX-License-Identifier line at its top"
       ;;

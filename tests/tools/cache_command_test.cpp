@@ -181,6 +181,20 @@ TEST_F(CacheCommandTest, ComparesMethods) {
   EXPECT_EQ(run_morsel({"cache", "compare", scene_, "--resolution", "1"}).code, 2);
 }
 
+TEST_F(CacheCommandTest, ASurfaceThatIsCutIsAWarningWithThePlace) {
+  const std::vector<std::string> cut{"cache", "build", scene_, "--set",
+                                     "geometries.rock.bounds={\"min\": [-2.5, -2.5, -2.5], "
+                                     "\"max\": [0, 2.5, 2.5]}"};
+  for (int n = 0; n < 2; ++n) {  // whether it is built or was there
+    const CommandResult result = run_morsel(cut);
+    EXPECT_EQ(result.code, 0) << result.err;
+    EXPECT_NE(result.err.find("\"rock\": its surface reaches its bounds near (0, "),
+              std::string::npos)
+        << result.err;
+  }
+  EXPECT_EQ(build().err.find("reaches its bounds"), std::string::npos);
+}
+
 TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {
   EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 1);
   ASSERT_EQ(build({"-o", cache_}).code, 0);

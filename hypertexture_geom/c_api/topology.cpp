@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+
+#include "hypertexture_geom/c_api/call.h"
+#include "hypertexture_geom/c_api/objects.h"
+#include "topology/cache_file.h"
+
+namespace morsel::c_api {
+namespace {
+
+namespace fs = std::filesystem;
+using topology::TopologyCache;
+
+constexpr std::size_t kBuildOptionsV1 = sizeof(MorselBuildOptions);
+constexpr std::size_t kTopologyInfoV1 = sizeof(MorselTopologyInfo);
+constexpr std::size_t kComponentV1 = sizeof(MorselComponent);
+
+std::shared_ptr<TopologyObject> object_with(TopologyCache cache) {
+  auto object = std::make_shared<TopologyObject>();
+  object->bytes = cache.bytes;
+  object->cache = std::make_shared<const TopologyCache>(std::move(cache));
+  return object;
+}
+
+TopologyCache build(const geom::Hypertexture& hypertexture, const MorselBuildOptions& options) {
+  if (options.threads > kMostThreads)
+    bad_argument("threads is " + std::to_string(options.threads) + ", more than " +
+                 std::to_string(kMostThreads));
+  std::atomic<bool> cancel{options.cancel && options.cancel(options.user) != 0};
+  topology::Execution execution;
+  execution.cancel = &cancel;
+  if (options.progress || options.cancel)
+    execution.progress = [&](double fraction, const char* phase) {
+      if (options.progress) options.progress(options.user, fraction, phase);
+      if (options.cancel && options.cancel(options.user) != 0) cancel = true;
+    };
+  if (cancel) throw topology::Cancelled();
+  TopologyCache cache;
+  on_threads(options.threads, [&] { cache = geom::build_cache(hypertexture, execution); });
+  return cache;
+}
+
+// Before the work, not after it.
+void require_writable_folder(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code ignored;
+  const bool is_folder = fs::is_directory(path, ignored);
+  if (is_folder || ::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw topology::CacheError(path.string() +
+                               ": cannot write: " + std::strerror(is_folder ? EISDIR : errno));
+}
+
+}  // namespace
+}  // namespace morsel::c_api
+
+using namespace morsel::c_api;
+
+MorselResult morsel_build_topology(MorselField field, const MorselBuildOptions* options,
+                                   MorselTopology* topology) {
+  return call(field, [&] {
+    const auto object = shared_object_of<FieldObject>(field);
+    require(topology, "topology");
+    give(object_with(build(object->hypertexture, read_options(options, kBuildOptionsV1))),
+         topology);
+  });
+}
+
+MorselResult morsel_load_topology(MorselField field, const char* path, MorselTopology* topology) {
+  return call(field, [&] {
+    const auto& object = object_of<FieldObject>(field);
+    require(path, "path");
+    require(topology, "topology");
+    give(object_with(morsel::topology::read_cache_of(path, object.hypertexture.hash)), topology);
+  });
+}
+
+MorselResult morsel_open_topology(MorselField field, const char* path,
+                                  const MorselBuildOptions* options, MorselTopology* topology) {
+  return call(field, [&] {
+    const auto object = shared_object_of<FieldObject>(field);
+    require(path, "path");
+    require(topology, "topology");
+    const MorselBuildOptions o = read_options(options, kBuildOptionsV1);
+    std::error_code error;
+    if (std::filesystem::status(path, error).type() != std::filesystem::file_type::not_found) {
+      give(object_with(morsel::topology::read_cache_of(path, object->hypertexture.hash)), topology);
+      return;
+    }
+    require_writable_folder(path);
+    TopologyCache cache = build(object->hypertexture, o);
+    morsel::topology::write_cache(cache, path);
+    give(object_with(std::move(cache)), topology);
+  });
+}
+
+MorselResult morsel_save_topology(MorselTopology topology, const char* path) {
+  return call(topology, [&] {
+    const auto object = shared_object_of<TopologyObject>(topology);
+    require(path, "path");
+    require_writable_folder(path);
+    TopologyCache copy = *object->cache;  // writing notes the size of the file
+    morsel::topology::write_cache(copy, path);
+  });
+}
+
+MorselResult morsel_retain_topology(MorselTopology topology) {
+  return call(topology, [&] { retain(topology, Kind::kTopology); });
+}
+
+MorselResult morsel_release_topology(MorselTopology topology) {
+  return call(topology, [&] { release(topology, Kind::kTopology); });
+}
+
+MorselResult morsel_topology_info(MorselTopology topology, MorselTopologyInfo* info) {
+  return call(topology, [&] {
+    const auto& object = object_of<TopologyObject>(topology);
+    require(info, "info");
+    const morsel::topology::Topology& t = object.cache->topology;
+    MorselTopologyInfo r{};
+    r.components = t.components.size();
+    r.components_lo = t.components_lo;
+    r.components_hi = t.components_hi.value_or(std::numeric_limits<uint64_t>::max());
+    r.certified = t.certified;
+    r.main_component =
+        t.components.empty() ? MORSEL_NO_COMPONENT : morsel::topology::main_component(t.components);
+    r.unresolved_cells = t.unresolved_cells;
+    r.unresolved_faces = t.unresolved_faces;
+    r.leaves = t.leaves;
+    r.bytes = object.bytes;
+    r.seconds = object.cache->seconds;
+    store(t.box.min, r.lower);
+    store(t.box.max, r.upper);
+    write_struct(r, info, kTopologyInfoV1);
+  });
+}
+
+MorselResult morsel_topology_components(MorselTopology topology, size_t first, size_t count,
+                                        size_t component_size, MorselComponent* components) {
+  return call(topology, [&] {
+    const auto& table = object_of<TopologyObject>(topology).cache->topology.components;
+    if (component_size < kComponentV1)
+      bad_argument("component_size is " + std::to_string(component_size) + ", less than " +
+                   std::to_string(kComponentV1));
+    if (first > table.size() || count > table.size() - first)
+      bad_argument("components " + std::to_string(first) + " and the " + std::to_string(count) +
+                   " from there are not all within the table of " + std::to_string(table.size()));
+    if (count == 0) return;
+    require(components, "components");
+    auto* out = reinterpret_cast<char*>(components);
+    for (size_t i = 0; i < count; ++i, out += component_size) {
+      const morsel::topology::Component& c = table[first + i];
+      MorselComponent r{};
+      store(c.bounds.min, r.lower);
+      store(c.bounds.max, r.upper);
+      r.volume_lo = c.volume_lo;
+      r.volume_hi = c.volume_hi;
+      r.cells = c.cells;
+      store(c.seed, r.seed);
+      std::memcpy(out, &r, std::min(component_size, sizeof r));
+    }
+  });
+}

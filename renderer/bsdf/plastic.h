@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderer/bsdf/diffuse.h"
+#include "renderer/bsdf/specular_layer.h"
+
+namespace morsel::render {
+
+// A matte body under a dielectric interface. The body gets what the interface lets through, by the
+// reciprocal coupling (1 - R(wo)) (1 - R(wi)) / (1 - R_avg) of Kelemen & Szirmay-Kalos ("A
+// Microfacet Based Coupled Specular-Matte BRDF Model", 2001), so a white body is white whatever the
+// gloss.
+class Plastic {
+ public:
+  Plastic(const Diffuse& body, const SpecularLayer& gloss) : body_(body), gloss_(gloss) {}
+
+  LobeValue evaluate(const V3f& wo, const V3f& wi) const;
+  std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
+  bool delta() const { return false; }
+  float spread() const { return 1.0f; }
+  V3f albedo() const {
+    return body_.albedo() * (1.0f - max_component(gloss_.albedo())) + gloss_.albedo();
+  }
+
+ private:
+  float gloss_probability(const V3f& wo) const;
+
+  Diffuse body_;
+  SpecularLayer gloss_;
+};
+
+}  // namespace morsel::render

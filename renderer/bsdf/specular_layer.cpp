@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/bsdf/specular_layer.h"
+
+#include "renderer/bsdf/fresnel.h"
+
+namespace morsel::render {
+
+SpecularLayer::SpecularLayer(float weight, const V3f& tint, float alpha,
+                             const InterfaceTables& tables)
+    : weight_(weight),
+      alpha_(std::max(alpha, Ggx::kSmallestAlpha)),
+      ior_(tables.ior),
+      f0_(square((tables.ior - 1.0f) / (tables.ior + 1.0f))),
+      normal_(std::min(1.0f, f0_ * tint.x), std::min(1.0f, f0_ * tint.y),
+              std::min(1.0f, f0_ * tint.z)),
+      tables_(&tables.outside) {}
+
+// From the tinted reflectance at normal incidence to 1, by as much of the way as the exact term has
+// gone from its own.
+V3f SpecularLayer::fresnel(float cos_theta) const {
+  float cos_t;
+  const float f = fresnel_dielectric(cos_theta, ior_, cos_t);
+  return combine(f, 1.0f);
+}
+
+// Linear in the Fresnel term, so it holds for albedos too: `exact` is that of the exact term,
+// `mirror` that of F = 1.
+V3f SpecularLayer::combine(float exact, float mirror) const {
+  const float rise = f0_ < 1.0f ? std::max(0.0f, (exact - f0_ * mirror) / (1.0f - f0_)) : 0.0f;
+  return (normal_ * (mirror - rise) + V3f(rise)) * weight_;
+}
+
+LobeValue SpecularLayer::evaluate(const V3f& wo, const V3f& wi) const {
+  if (wi.z <= 0.0f) return {};
+  const V3f sum = wo + wi;
+  if (!(dot(sum, sum) > 0.0f)) return {};
+  const V3f h = normalize(sum);
+  const Ggx ggx(alpha_);
+  const float d = ggx.distribution(h) / (4.0f * wo.z);
+  return {fresnel(dot(wo, h)) * (d * ggx.masking_shadowing(wo, wi)), d * ggx.masking(wo)};
+}
+
+std::optional<LobeSample> SpecularLayer::sample(const V3f& wo, float /*choice*/,
+                                                const V2f& u) const {
+  const V3f h = Ggx(alpha_).sample_visible(wo, u);
+  LobeSample s;
+  s.wi = normalize(h * (2.0f * dot(wo, h)) - wo);
+  const LobeValue v = evaluate(wo, s.wi);
+  if (!(v.pdf > 0.0f)) return std::nullopt;
+  s.pdf = v.pdf;
+  s.weight = v.value / v.pdf;
+  return s;
+}
+
+}  // namespace morsel::render

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderer/bsdf/directional_albedo.h"
+#include "renderer/bsdf/ggx.h"
+#include "renderer/bsdf/lobe.h"
+
+namespace morsel::render {
+
+// The reflection of a GGX dielectric interface, whose refracted light is the business of what lies
+// under it: a clear coat, or the gloss of plastic. As KHR_materials_specular has it, `weight`
+// scales all of it and `tint` the reflectance at normal incidence; with both at 1 the Fresnel term
+// is exact.
+class SpecularLayer {
+ public:
+  // `tables` are those of the interface's index; alpha below Ggx::kSmallestAlpha is raised to it.
+  SpecularLayer(float weight, const V3f& tint, float alpha, const InterfaceTables& tables);
+
+  LobeValue evaluate(const V3f& wo, const V3f& wi) const;
+  std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
+  bool delta() const { return false; }
+  float spread() const { return alpha_; }
+  V3f albedo() const { return normal_ * weight_; }
+
+  // Share of light that it reflects towards this cosine, and its mean over the hemisphere.
+  V3f directional_albedo(float cos_theta) const {
+    return combine(tables_->reflected(cos_theta, alpha_), ggx_albedo()(cos_theta, alpha_));
+  }
+  V3f average_albedo() const {
+    return combine(tables_->reflected.average(alpha_), ggx_albedo().average(alpha_));
+  }
+
+ private:
+  V3f fresnel(float cos_theta) const;
+  V3f combine(float exact, float mirror) const;
+
+  float weight_, alpha_, ior_;
+  float f0_;    // exact reflectance at normal incidence
+  V3f normal_;  // the same, tinted
+  const InterfaceAlbedo* tables_;
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#include <filesystem>
+
+#include "renderer/scene/scene.h"
+
+namespace morsel::render {
+
+// An OBJ, PLY or STL as assimp has it: validated, triangulated, identical vertices joined. Owned by
+// `importer`. Throws MeshError that names the file.
+const aiScene& read_assimp_scene(Assimp::Importer& importer, const std::filesystem::path& file);
+
+// Appends the triangles of `part`; normals and texture coordinates that it lacks become 0.
+void append_assimp_mesh(const aiMesh& part, TriangleMesh& mesh, const std::filesystem::path& file);
+
+}  // namespace morsel::render

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/mesh/gltf_file.h"
+
+#include <Imath/ImathQuat.h>
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+
+namespace morsel::render {
+namespace {
+
+// Decoding is for those who want the pixels.
+bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
+                  const unsigned char* bytes, int size, void*) {
+  image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+// An extension that the file says cannot be ignored, and that changes what the geometry is.
+void refuse_unknown_extensions(const tinygltf::Model& model) {
+  for (const std::string& name : model.extensionsRequired) {
+    const bool harmless = name.rfind("KHR_materials_", 0) == 0 ||
+                          name.rfind("KHR_texture_", 0) == 0 || name == "KHR_lights_punctual" ||
+                          name == "EXT_texture_webp";
+    if (!harmless) throw GltfError("requires the extension " + name + ", which is not supported");
+  }
+}
+
+// Row vectors, as Imath has it; a column-major matrix for column vectors has the same layout.
+Imath::M44d local_transform(const tinygltf::Node& node) {
+  Imath::M44d m;
+  if (node.matrix.size() == 16) {
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+    return m;
+  }
+  if (node.scale.size() == 3) m.setScale(Imath::V3d(node.scale[0], node.scale[1], node.scale[2]));
+  if (node.rotation.size() == 4) {
+    Imath::Quatd q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    m *= q.normalize().toMatrix44();
+  }
+  if (node.translation.size() == 3)
+    for (int i = 0; i < 3; ++i) m[3][i] = node.translation[static_cast<std::size_t>(i)];
+  return m;
+}
+
+// Corners of the triangles of one primitive, by glTF's rules for lists, strips and fans.
+std::vector<std::array<std::uint32_t, 3>> triangles_of(const std::vector<std::uint32_t>& index,
+                                                       int mode) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  const std::size_t n = index.size();
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    for (std::size_t i = 0; i + 2 < n; i += 3)
+      triangles.push_back({index[i], index[i + 1], index[i + 2]});
+  } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+    for (std::size_t i = 0; i + 2 < n; ++i) {
+      const std::size_t odd = i % 2;  // every other triangle is wound the other way
+      triangles.push_back({index[i], index[i + 1 + odd], index[i + 2 - odd]});
+    }
+  } else if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+    for (std::size_t i = 1; i + 1 < n; ++i) triangles.push_back({index[i], index[i + 1], index[0]});
+  }
+  return triangles;
+}
+
+std::optional<int> attribute(const tinygltf::Primitive& primitive, const char* name) {
+  const auto it = primitive.attributes.find(name);
+  if (it == primitive.attributes.end()) return std::nullopt;
+  return it->second;
+}
+
+}  // namespace
+
+tinygltf::Model parse_gltf(const std::filesystem::path& file) {
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(keep_encoded, nullptr);
+  tinygltf::Model model;
+  std::string error, warning;
+  std::string start(4, '\0');
+  std::ifstream(file, std::ios::binary).read(start.data(), 4);
+  const bool done = start == "glTF"
+                        ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
+                        : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
+  if (done) {
+    if (model.asset.version.rfind("2.", 0) != 0)
+      throw GltfError(
+          fmt::format("is of glTF version \"{}\"; only 2 is supported", model.asset.version));
+    refuse_unknown_extensions(model);
+    return model;
+  }
+  while (!error.empty() && error.back() == '\n') error.pop_back();
+  throw GltfError(error.empty() ? "not a glTF file" : error);
+}
+
+// An explicit stack: a hostile file can nest nodes deeper than the call stack goes.
+void for_each_node(
+    const tinygltf::Model& model,
+    const std::function<void(const tinygltf::Node&, int, const Imath::M44d&)>& visit) {
+  if (model.scenes.empty()) return;
+  const std::size_t scene =
+      model.defaultScene < 0 ? 0 : static_cast<std::size_t>(model.defaultScene);
+  if (scene >= model.scenes.size()) throw GltfError(fmt::format("scene {} does not exist", scene));
+  std::vector<bool> visited(model.nodes.size(), false);
+  std::vector<std::pair<int, Imath::M44d>> stack;
+  const auto& roots = model.scenes[scene].nodes;
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+    stack.emplace_back(*root, Imath::M44d());
+  while (!stack.empty()) {
+    const auto [index, parent] = stack.back();
+    stack.pop_back();
+    if (index < 0 || static_cast<std::size_t>(index) >= model.nodes.size())
+      throw GltfError(fmt::format("node {} does not exist", index));
+    if (visited[static_cast<std::size_t>(index)])
+      throw GltfError(fmt::format("node {} is reached twice; nodes must form a tree", index));
+    visited[static_cast<std::size_t>(index)] = true;
+    const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
+    const Imath::M44d transform = local_transform(node) * parent;
+    if (node.mesh >= 0 && static_cast<std::size_t>(node.mesh) >= model.meshes.size())
+      throw GltfError(fmt::format("node {} names mesh {}, which does not exist", index, node.mesh));
+    visit(node, index, transform);
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      stack.emplace_back(*child, transform);
+  }
+}
+
+std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model,
+                                           const tinygltf::Primitive& primitive) {
+  const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+  if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+      mode != TINYGLTF_MODE_TRIANGLE_FAN)
+    return std::nullopt;  // points and lines
+  const std::optional<int> position = attribute(primitive, "POSITION");
+  if (!position) return std::nullopt;  // the specification: such a primitive is skipped
+  TriangleMesh mesh;
+  mesh.positions = read_vectors3(model, *position);
+  if (const std::optional<int> normal = attribute(primitive, "NORMAL"))
+    mesh.normals = read_vectors3(model, *normal);
+  if (const std::optional<int> uv = attribute(primitive, "TEXCOORD_0")) {
+    mesh.uvs = read_vectors2(model, *uv);
+    for (Imath::V2f& coordinates : mesh.uvs) coordinates.y = 1.0f - coordinates.y;  // v is down
+  }
+  const std::size_t count = mesh.positions.size();
+  if ((!mesh.normals.empty() && mesh.normals.size() != count) ||
+      (!mesh.uvs.empty() && mesh.uvs.size() != count))
+    throw GltfError("a primitive has attributes of different lengths");
+
+  std::vector<std::uint32_t> indices;
+  if (primitive.indices >= 0) {
+    indices = read_indices(model, primitive.indices);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) indices.push_back(static_cast<std::uint32_t>(i));
+  }
+  for (const auto& corners : triangles_of(indices, mode)) {
+    Imath::V3i triangle;
+    for (int i = 0; i < 3; ++i) {
+      const std::uint32_t corner = corners[static_cast<std::size_t>(i)];
+      if (corner >= count)
+        throw GltfError(fmt::format("an index is {}, but there are {} vertices", corner, count));
+      triangle[i] = static_cast<int>(corner);
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
+}
+
+}  // namespace morsel::render

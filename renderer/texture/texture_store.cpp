@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/texture/texture_store.h"
+
+#include <OpenImageIO/imagecache.h>
+#include <OpenImageIO/texture.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+
+#include "renderer/texture/linear_image.h"
+
+namespace morsel::render {
+namespace {
+
+constexpr std::string_view kUdim = "<UDIM>";
+
+OIIO::TextureOpt::Wrap wrap_of(Wrap wrap) {
+  switch (wrap) {
+    case Wrap::kClamp:
+      return OIIO::TextureOpt::WrapClamp;
+    case Wrap::kMirror:
+      return OIIO::TextureOpt::WrapMirror;
+    case Wrap::kBlack:
+      return OIIO::TextureOpt::WrapBlack;
+    case Wrap::kRepeat:
+      break;
+  }
+  return OIIO::TextureOpt::WrapPeriodic;
+}
+
+// The files that stand for a name with <UDIM>, by number.
+std::map<int, std::string> udim_tiles(const std::string& pattern) {
+  namespace fs = std::filesystem;
+  const fs::path path(pattern);
+  const std::string name = path.filename().string();
+  const std::size_t at = name.find(kUdim);
+  const std::string before = name.substr(0, at), after = name.substr(at + kUdim.size());
+  std::map<int, std::string> tiles;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(path.parent_path(), error)) {
+    const std::string file = entry.path().filename().string();
+    if (file.size() != before.size() + 4 + after.size() || file.rfind(before, 0) != 0 ||
+        file.substr(before.size() + 4) != after)
+      continue;
+    const std::string digits = file.substr(before.size(), 4);
+    if (digits.find_first_not_of("0123456789") != std::string::npos) continue;
+    const int number = std::stoi(digits);
+    if (number >= 1001) tiles[number] = entry.path().string();
+  }
+  return tiles;
+}
+
+}  // namespace
+
+struct TextureStore::Impl {
+  struct Image {
+    OIIO::TextureOpt options;
+    OIIO::TextureSystem::TextureHandle* handle = nullptr;
+    int channels = 0;
+    // UDIM: handles by tile number; the image is not repeated.
+    std::map<int, std::pair<OIIO::TextureSystem::TextureHandle*, int>> tiles;
+  };
+
+  OIIO::TextureSystem* system = OIIO::TextureSystem::create(false);
+  std::vector<Image> images;
+  std::vector<std::unique_ptr<ImageTexture>> sources;  // what the cache's configurations point to
+
+  ~Impl() { OIIO::TextureSystem::destroy(system); }
+
+  std::pair<OIIO::TextureSystem::TextureHandle*, int> open(const ImageTexture& image) {
+    sources.push_back(std::make_unique<ImageTexture>(image));
+    const OIIO::ustring name(fmt::format("texture {}", sources.size()));
+    const OIIO::ImageSpec config = linear_image_configuration(*sources.back());
+    system->imagecache()->add_file(name, create_linear_image, &config);
+    OIIO::ImageSpec spec;
+    if (!system->get_imagespec(name, 0, spec))
+      throw std::runtime_error(fmt::format("{}: cannot read the image: {}",
+                                           image.data ? image.description : image.file,
+                                           system->geterror()));
+    return {system->get_texture_handle(name), spec.nchannels};
+  }
+};
+
+TextureStore::TextureStore(std::uint64_t megabytes) : impl_(std::make_unique<Impl>()) {
+  impl_->system->attribute("max_memory_MB", static_cast<float>(megabytes));
+  impl_->system->attribute("automip", 1);
+  impl_->system->attribute("autotile", 64);
+  impl_->system->attribute("autoscanline", 0);
+  impl_->system->attribute("accept_untiled", 1);
+  impl_->system->attribute("gray_to_rgb", 0);
+}
+TextureStore::~TextureStore() = default;
+
+std::size_t TextureStore::size() const { return impl_->images.size(); }
+
+std::uint32_t TextureStore::add(const ImageTexture& image) {
+  Impl::Image added;
+  added.options.swrap = wrap_of(image.wrap_u);
+  added.options.twrap = wrap_of(image.wrap_v);
+  // Cubic B-splines, the default where texels are larger than pixels, would blur them.
+  added.options.interpmode = OIIO::TextureOpt::InterpBilinear;
+  if (!image.data && image.file.find(kUdim) != std::string::npos) {
+    added.options.swrap = added.options.twrap = OIIO::TextureOpt::WrapClamp;
+    for (const auto& [number, file] : udim_tiles(image.file)) {
+      ImageTexture tile = image;
+      tile.file = file;
+      added.tiles[number] = impl_->open(tile);
+    }
+    if (added.tiles.empty())
+      throw std::runtime_error(
+          fmt::format("{}: no tiles; <UDIM> stands for four digits, 1001 or more", image.file));
+  } else {
+    std::tie(added.handle, added.channels) = impl_->open(image);
+  }
+  impl_->images.push_back(std::move(added));
+  return static_cast<std::uint32_t>(impl_->images.size() - 1);
+}
+
+TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, const V2f& across,
+                                         const V2f& along) const {
+  const Impl::Image& i = impl_->images[image];
+  auto* handle = i.handle;
+  int channels = i.channels;
+  V2f at = uv;
+  if (!i.tiles.empty()) {
+    const float column = std::floor(uv.x), row = std::floor(uv.y);
+    if (!(column >= 0.0f && column < 10.0f && row >= 0.0f && row < 900.0f)) return {};
+    const auto tile = i.tiles.find(1001 + static_cast<int>(column) + 10 * static_cast<int>(row));
+    if (tile == i.tiles.end()) return {};
+    std::tie(handle, channels) = tile->second;
+    at = V2f(uv.x - column, uv.y - row);
+  }
+  OIIO::TextureOpt options = i.options;
+  float texel[4] = {0.0f, 0.0f, 0.0f, 1.0f};
+  // OpenImageIO's t is down from the top.
+  if (!impl_->system->texture(handle, impl_->system->get_perthread_info(), options, at.x,
+                              1.0f - at.y, across.x, -across.y, along.x, -along.y,
+                              std::min(channels, 4), texel)) {
+    impl_->system->geterror();  // or it would be kept for ever
+    return {};
+  }
+  if (channels <= 2) return {V3f(texel[0]), channels == 2 ? texel[1] : 1.0f};
+  return {V3f(texel[0], texel[1], texel[2]), channels > 3 ? texel[3] : 1.0f};
+}
+
+std::string TextureStore::statistics() const { return impl_->system->getstats(1, true); }
+
+}  // namespace morsel::render

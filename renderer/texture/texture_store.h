@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/math/vector.h"
+#include "renderer/scene/texture.h"
+
+namespace morsel::render {
+
+// Images through OpenImageIO's texture system: tiles and mip levels are read when they are needed
+// and forgotten when the budget of memory is used up. Thread-safe.
+class TextureStore {
+ public:
+  explicit TextureStore(std::uint64_t megabytes);
+  ~TextureStore();
+  TextureStore(const TextureStore&) = delete;
+  TextureStore& operator=(const TextureStore&) = delete;
+
+  // Throws std::runtime_error naming the file when it cannot be read or a UDIM has no tiles.
+  // `image` must outlive this object.
+  std::uint32_t add(const ImageTexture& image);
+
+  struct Value {
+    V3f color{0.0f};
+    float alpha = 1.0f;
+  };
+  // At texture coordinates (u right, v up), averaged over the parallelogram that the two vectors
+  // span about them. Grey images give three equal channels. Errors of reading give black.
+  Value lookup(std::uint32_t image, const V2f& uv, const V2f& across, const V2f& along) const;
+
+  std::size_t size() const;
+  // Bytes read from files and memory in use, for people.
+  std::string statistics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The header by itself, as C99: what structs of version 0 look like to programs that were compiled with them. */
+#include <morsel/hypertexture_geom.h>
+
+#define HOLDS(name, condition) typedef char name[(condition) ? 1 : -1]
+#define SIZE(type, bytes) HOLDS(size_of_##type, sizeof(type) == (bytes))
+#define AT(type, member, bytes) \
+  HOLDS(type##_##member, offsetof(type, member) == (bytes))
+
+HOLDS(handles_are_pointers, sizeof(MorselField) == sizeof(void*));
+HOLDS(results_are_32_bits, sizeof(MorselResult) == 4);
+#if UINTPTR_MAX == UINT64_MAX
+SIZE(MorselBuildOptions, 40);
+AT(MorselBuildOptions, progress, 16);
+AT(MorselBuildOptions, user, 32);
+SIZE(MorselTopologyInfo, 128);
+AT(MorselTopologyInfo, certified, 32);
+AT(MorselTopologyInfo, seconds, 72);
+AT(MorselTopologyInfo, upper, 104);
+SIZE(MorselComponent, 96);
+AT(MorselComponent, seed, 72);
+SIZE(MorselGeometryOptions, 32);
+AT(MorselGeometryOptions, threads, 24);
+SIZE(MorselGeometryInfo, 104);
+AT(MorselGeometryInfo, step_limits, 24);
+AT(MorselGeometryInfo, main_component, 96);
+SIZE(MorselShading, 88);
+AT(MorselShading, component, 44);
+AT(MorselShading, position, 56);
+SIZE(MorselDetail, 96);
+AT(MorselDetail, component, 88);
+SIZE(MorselRay, 32);
+SIZE(MorselHit, 48);
+AT(MorselHit, prim_id, 32);
+#endif
+
+/* Called from the C++ test, so that it is C that makes the calls. */
+MorselResult c99_evaluate(const char* json, const double* points, size_t count, double* values);
+MorselResult c99_evaluate(const char* json, const double* points, size_t count, double* values) {
+  MorselField field;
+  MorselResult result = morsel_create_field(json, NULL, &field);
+  if (result != MORSEL_OK) return result;
+  result = morsel_evaluate_field(field, points, count, values, NULL);
+  morsel_release_field(field);
+  return result;
+}

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Imath/ImathVec.h>
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "renderer/integrator/render.h"
+#include "renderer/material/material_set.h"
+#include "renderer/texture/ramp.h"
+#include "renderer/texture/texture_store.h"
+#include "tests/renderer/mean_of_film.h"
+#include "tests/renderer/test_scenes.h"
+#include "tests/temporary_folder.h"
+
+namespace morsel::render {
+namespace {
+
+using namespace testing;
+
+// An 8-bit RGB image; `value(x, y)` with y down, in [0, 255].
+template <class Value>
+std::string write_image(const test::TemporaryFolder& folder, const std::string& name, int width,
+                        int height, Value&& value) {
+  const std::string file = (folder.path() / name).string();
+  std::vector<unsigned char> pixels;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Imath::V3i c = value(x, y);
+      for (int i = 0; i < 3; ++i) pixels.push_back(static_cast<unsigned char>(c[i]));
+    }
+  auto out = OIIO::ImageOutput::create(file);
+  out->open(file, OIIO::ImageSpec(width, height, 3, OIIO::TypeDesc::UINT8));
+  out->write_image(OIIO::TypeDesc::UINT8, pixels.data());
+  out->close();
+  return file;
+}
+
+ImageTexture image_of(const std::string& file, ColorSpace space = ColorSpace::kAuto) {
+  ImageTexture image;
+  image.file = file;
+  image.color_space = space;
+  return image;
+}
+
+V3f at(const TextureStore& store, std::uint32_t image, float u, float v, float width = 0.0f) {
+  return store.lookup(image, V2f(u, v), V2f(width, 0), V2f(0, width)).color;
+}
+
+class TextureTest : public ::testing::Test {
+ protected:
+  test::TemporaryFolder folder_;
+  TextureStore store_{64};
+};
+
+TEST_F(TextureTest, IsUprightAndLinear) {
+  // Red grows to the right, green upwards.
+  const std::string file = write_image(folder_, "ramp.png", 64, 64, [](int x, int y) {
+    return Imath::V3i(4 * x, 4 * (63 - y), 188);
+  });
+  const auto linear = store_.add(image_of(file, ColorSpace::kLinear));
+  const auto srgb = store_.add(image_of(file));
+  EXPECT_NEAR(at(store_, linear, 0.75f, 0.25f).x, 0.75f, 0.02f);
+  EXPECT_NEAR(at(store_, linear, 0.75f, 0.25f).y, 0.25f, 0.02f);
+  EXPECT_NEAR(at(store_, linear, 0.5f, 0.5f).z, 188.0f / 255.0f, 2e-3f);
+  EXPECT_NEAR(at(store_, srgb, 0.5f, 0.5f).z, 0.5028f, 2e-3f);  // the sRGB curve at 188
+}
+
+// A wide footprint sees the mean of the light, not of its sRGB encoding.
+TEST_F(TextureTest, FootprintsAverageLight) {
+  const std::string file = write_image(folder_, "checks.png", 128, 128, [](int x, int y) {
+    return Imath::V3i((x + y) % 2 == 0 ? 255 : 0);
+  });
+  const auto image = store_.add(image_of(file));
+  EXPECT_NEAR(at(store_, image, 0.41f, 0.37f, 0.25f).x, 0.5f, 0.02f);
+  const auto texel = [](int i) { return (static_cast<float>(i) + 0.5f) / 128.0f; };
+  EXPECT_GT(std::abs(at(store_, image, texel(40), texel(40)).x -
+                     at(store_, image, texel(41), texel(40)).x),
+            0.5f);
+}
+
+TEST_F(TextureTest, UdimTilesAreFoundByTheirNumbers) {
+  for (const auto& [number, grey] : std::map<int, int>{{1001, 50}, {1002, 100}, {1011, 200}})
+    write_image(folder_, "skin." + std::to_string(number) + ".png", 8, 8,
+                [grey = grey](int, int) { return Imath::V3i(grey); });
+  const auto image =
+      store_.add(image_of((folder_.path() / "skin.<UDIM>.png").string(), ColorSpace::kLinear));
+  EXPECT_NEAR(at(store_, image, 0.5f, 0.5f).x, 50 / 255.0f, 2e-3f);
+  EXPECT_NEAR(at(store_, image, 1.5f, 0.5f).x, 100 / 255.0f, 2e-3f);
+  EXPECT_NEAR(at(store_, image, 0.5f, 1.5f).x, 200 / 255.0f, 2e-3f);
+  EXPECT_EQ(at(store_, image, 5.5f, 0.5f).x, 0.0f);
+  EXPECT_THROW(store_.add(image_of((folder_.path() / "other.<UDIM>.png").string())),
+               std::runtime_error);
+}
+
+TEST_F(TextureTest, ReadsAnImageInMemory) {
+  const std::string file =
+      write_image(folder_, "memory.png", 8, 8, [](int, int) { return Imath::V3i(255, 0, 0); });
+  std::ifstream stream(file, std::ios::binary);
+  ImageTexture image;
+  image.data = std::make_shared<const std::vector<unsigned char>>(
+      std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  image.description = "image 3";
+  EXPECT_NEAR(at(store_, store_.add(image), 0.5f, 0.5f).x, 1.0f, 1e-3f);
+  image.data = std::make_shared<const std::vector<unsigned char>>(20, 'x');
+  try {
+    store_.add(image);
+    FAIL();
+  } catch (const std::runtime_error& e) {
+    EXPECT_NE(std::string(e.what()).find("image 3"), std::string::npos);
+  }
+}
+
+TEST_F(TextureTest, NamesAFileThatCannotBeRead) {
+  for (const char* name : {"missing.png", "broken.png"}) {
+    if (std::string(name) == "broken.png") folder_.write(name, "not an image");
+    try {
+      store_.add(image_of((folder_.path() / name).string()));
+      FAIL();
+    } catch (const std::runtime_error& e) {
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Ramp, InterpolatesItsStops) {
+  RampTexture ramp;
+  ramp.low = 2.0f;
+  ramp.high = 4.0f;
+  ramp.stops = {{0.0f, V3f(0.0f)}, {0.5f, V3f(1.0f, 0.0f, 0.0f)}, {1.0f, V3f(0.0f, 1.0f, 0.0f)}};
+  EXPECT_EQ(ramp_color(ramp, 0.0f), V3f(0.0f));
+  EXPECT_EQ(ramp_color(ramp, 2.5f), V3f(0.5f, 0.0f, 0.0f));
+  EXPECT_EQ(ramp_color(ramp, 3.5f), V3f(0.5f, 0.5f, 0.0f));
+  EXPECT_EQ(ramp_color(ramp, 9.0f), V3f(0.0f, 1.0f, 0.0f));
+}
+
+// A square in the plane y = 0 with texture coordinates, seen from above.
+Scene square_scene() {
+  Scene scene;
+  add_material(scene, MaterialType::kPrincipled, V3f(1.0f));
+  scene.materials[0].specular = 0.0f;
+  TriangleMesh mesh = plane_mesh(1.0f);
+  for (const V3f& p : mesh.positions) mesh.uvs.emplace_back(0.5f + 0.5f * p.x, 0.5f - 0.5f * p.z);
+  add_mesh(scene, mesh, 0);
+  scene.camera.position = V3f(0, 5, 0);
+  scene.camera.up = V3f(0, 0, -1);
+  scene.camera.projection = Projection::kOrthographic;
+  scene.camera.height = 2.0f;
+  add_constant_environment(scene, 1.0f);
+  set_image(scene, 32, 32, 32, 0);
+  return scene;
+}
+
+// A hundred repetitions seen by pixels that cover many: no aliasing, the mean of the light.
+TEST_F(TextureTest, RayConesChooseTheMipLevel) {
+  Scene scene = square_scene();
+  ImageTexture image = image_of(write_image(
+      folder_, "stripes.png", 64, 64, [](int x, int) { return Imath::V3i(x < 32 ? 255 : 0); }));
+  image.scale = V2f(100.0f, 100.0f);
+  scene.textures.push_back({"stripes", image, TextureChannel::kLuminance});
+  scene.materials[0].texture(MaterialInput::kColor) = 0;
+  scene.settings.spp = 1;
+  const Film film = render(scene).film;
+  for (int y = 4; y < 28; ++y)
+    for (int x = 4; x < 28; ++x) EXPECT_NEAR(film.at(x, y).albedo.x, 0.5f, 0.06f);
+}
+
+TEST_F(TextureTest, NormalMapsLean) {
+  Scene scene = square_scene();
+  // Leans to +u, which is +x, by 45 degrees; and to +v, which is -z.
+  for (const bool to_u : {true, false}) {
+    const std::string file = write_image(folder_, to_u ? "u.png" : "v.png", 8, 8, [&](int, int) {
+      return to_u ? Imath::V3i(218, 128, 218) : Imath::V3i(128, 218, 218);
+    });
+    scene.textures = {{"n", image_of(file, ColorSpace::kLinear), TextureChannel::kLuminance}};
+    scene.materials[0].texture(MaterialInput::kNormal) = 0;
+    const Film film = render(scene).film;
+    const V3f n = film.at(16, 16).normal;
+    const V3f expected = normalize(to_u ? V3f(1, 1, 0) : V3f(0, 1, -1));
+    EXPECT_NEAR((n - expected).length(), 0.0f, 0.02f) << n;
+  }
+}
+
+TEST_F(TextureTest, BumpsFollowTheSlope) {
+  Scene scene = square_scene();
+  const std::string file =
+      write_image(folder_, "slope.png", 256, 8, [](int x, int) { return Imath::V3i(x); });
+  scene.textures = {{"b", image_of(file, ColorSpace::kLinear), TextureChannel::kRed}};
+  scene.materials[0].texture(MaterialInput::kBump) = 0;
+  scene.materials[0].bump_height = 1.0f;  // rises by 1 over the width of 2
+  const V3f n = render(scene).film.at(16, 16).normal;
+  EXPECT_NEAR((n - normalize(V3f(-0.5f, 1, 0))).length(), 0.0f, 0.03f) << n;
+}
+
+TEST_F(TextureTest, CutOutsByAnImage) {
+  Scene scene = square_scene();
+  const std::string file = write_image(folder_, "half.png", 64, 8,
+                                       [](int x, int) { return Imath::V3i(x < 32 ? 0 : 255); });
+  ImageTexture image = image_of(file, ColorSpace::kLinear);
+  image.wrap_u = image.wrap_v = Wrap::kClamp;
+  scene.textures = {{"o", image, TextureChannel::kRed}};
+  scene.materials[0].texture(MaterialInput::kOpacity) = 0;
+  scene.materials[0].opacity_cutoff = 0.5f;
+  scene.environment->visible_to_camera = false;
+  const Film film = render(scene).film;
+  EXPECT_EQ(film.at(8, 16).alpha, 0.0f);
+  EXPECT_EQ(film.at(24, 16).alpha, 1.0f);
+}
+
+TEST_F(TextureTest, TriplanarNeedsNoCoordinates) {
+  Scene scene;
+  add_material(scene, MaterialType::kPrincipled, V3f(1.0f));
+  add_mesh(scene, sphere_mesh(4, true), 0);
+  ImageTexture image =
+      image_of(write_image(folder_, "grey.png", 16, 16,
+                           [](int x, int) { return Imath::V3i(x < 8 ? 255 : 0, 128, 128); }),
+               ColorSpace::kLinear);
+  image.triplanar = true;
+  image.triplanar_size = 0.5f;
+  scene.textures = {{"t", image, TextureChannel::kLuminance}};
+  scene.materials[0].texture(MaterialInput::kColor) = 0;
+  scene.materials[0].specular = 0.0f;
+  add_constant_environment(scene, 1.0f);
+  scene.camera.vertical_fov = 15.0f;
+  set_image(scene, 24, 24, 16, 0);
+  const Film film = render(scene).film;
+  double least = 1.0, most = 0.0;
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < 24; ++x) {
+      EXPECT_NEAR(film.at(x, y).albedo.y, 128 / 255.0f, 0.01f);
+      least = std::min<double>(least, film.at(x, y).albedo.x);
+      most = std::max<double>(most, film.at(x, y).albedo.x);
+    }
+  EXPECT_LT(least, 0.3);
+  EXPECT_GT(most, 0.7);
+}
+
+// What a texture makes a mesh emit reaches other surfaces the same by light samples and by chance.
+TEST_F(TextureTest, TexturedEmissionHasOneMean) {
+  Scene scene = square_scene();
+  const std::string file = write_image(folder_, "lamp.png", 16, 16, [](int x, int y) {
+    return Imath::V3i(x < 4 && y < 8 ? 255 : 20);
+  });
+  const auto lamp = add_material(scene, MaterialType::kPrincipled, V3f(0.0f));
+  scene.materials[lamp].emission = V3f(5.0f);
+  scene.materials[lamp].specular = 0.0f;
+  scene.textures = {{"e", image_of(file, ColorSpace::kLinear), TextureChannel::kLuminance}};
+  scene.materials[lamp].texture(MaterialInput::kEmission) = 0;
+  TriangleMesh mesh = plane_mesh(0.7f, 1.0f);
+  for (const V3f& p : mesh.positions)
+    mesh.uvs.emplace_back(0.5f + 0.5f * p.x / 0.7f, 0.5f - 0.5f * p.z / 0.7f);
+  add_mesh(scene, mesh, lamp);
+  scene.instances.back().visible_to_camera = false;
+  scene.environment.reset();
+  scene.settings.spp = 256;
+  Mean means[3];
+  for (const auto strategy :
+       {DirectLighting::kMis, DirectLighting::kLightsOnly, DirectLighting::kBsdfOnly}) {
+    RenderOptions options;
+    options.direct_lighting = strategy;
+    scene.settings.seed = static_cast<std::uint32_t>(strategy);
+    means[static_cast<int>(strategy)] = mean_of(render(scene, options).film);
+  }
+  for (int i = 1; i < 3; ++i)
+    EXPECT_LT(std::abs(means[0].value - means[i].value),
+              4.0 * std::hypot(means[0].error, means[i].error))
+        << i;
+  EXPECT_GT(means[0].value, 0.01);
+}
+
+}  // namespace
+}  // namespace morsel::render
