@@ -28,6 +28,7 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
   ++ray_statistics().bricks;
   if (!is_valid(ray)) return false;
   const Brick& brick = bricks_[index];
+  __builtin_prefetch(&brick);  // the cubic; what follows touches the other cache line first
   Stretch stretch{ray.tnear, ray.tfar, {}, ray.direction.length(), false};
   if (!clip(bricks_.surface_box(brick), bricks_.slack(brick), ray, stretch.from, stretch.to))
     return false;
@@ -76,15 +77,15 @@ bool BrickSurface::by_segment(std::uint32_t index, const RaySegment& ray, const 
 
 bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch& stretch, bool any,
                             Root& root) const {
-  const topology::Box box = bricks_.box(b);
   const Imath::V3d step = ray.direction * (stretch.to - stretch.from);
-  float local_start[3], local_step[3], sum = 0.0f;
-  for (int i = 0; i < 3; ++i) {
-    const double scale = 2.0 / (box.max[i] - box.min[i]);
-    local_start[i] = static_cast<float>((stretch.entry[i] - box.min[i]) * scale - 1.0);
-    local_step[i] = static_cast<float>(step[i] * scale);
-    sum += std::abs(local_step[i]);
-  }
+  const Imath::V3d& scale = bricks_.scale(b.depth);
+  const Imath::V3d start = (stretch.entry - bricks_.lower_corner(b)) * scale - Imath::V3d(1.0);
+  const Imath::V3d local = step * scale;
+  const float local_start[3] = {static_cast<float>(start.x), static_cast<float>(start.y),
+                                static_cast<float>(start.z)};
+  const float local_step[3] = {static_cast<float>(local.x), static_cast<float>(local.y),
+                               static_cast<float>(local.z)};
+  const float sum = std::abs(local_step[0]) + std::abs(local_step[1]) + std::abs(local_step[2]);
   const RayCubic p = restrict_to_ray(b.c, local_start, local_step);
   if (p.least() > b.value_error || p.greatest() < -b.value_error) return false;
 
@@ -123,11 +124,8 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
   if (!r.has_gradient || any) return true;
   // From the place of the last evaluation on to the root the gradient changes by as little as the
   // cubic's.
-  const Imath::V3d scale = Imath::V3d(2.0) / (box.max - box.min);
-  const auto at = [&](double s) {
-    return (stretch.entry + step * s - box.min) * scale - Imath::V3d(1.0);
-  };
-  const Imath::V3d change = cubic_gradient(b.c, at(r.s)) - cubic_gradient(b.c, at(r.gradient_at));
+  const Imath::V3d change =
+      cubic_gradient(b.c, start + local * r.s) - cubic_gradient(b.c, start + local * r.gradient_at);
   root.gradient = r.gradient + change * scale;
   return true;
 }

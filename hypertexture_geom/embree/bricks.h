@@ -126,6 +126,13 @@ class BrickSet {
     }
     return r;
   }
+  Imath::V3d lower_corner(const Brick& b) const {
+    const Imath::V3d& cell = sizes_[b.depth];
+    return {root_.min.x + b.cell[0] * cell.x, root_.min.y + b.cell[1] * cell.y,
+            root_.min.z + b.cell[2] * cell.z};
+  }
+  // Coordinates of a brick of this level, in which it spans [-1, 1], per length.
+  const Imath::V3d& scale(std::uint32_t depth) const { return scales_[depth]; }
   // The part of it that may hold surface.
   topology::Box surface_box(const Brick& b) const {
     const Imath::V3d& cell = sizes_[b.depth];
@@ -162,7 +169,7 @@ class BrickSet {
   static constexpr double kSlack = 1e-7;
 
   topology::Box root_;
-  Imath::V3d sizes_[32];
+  Imath::V3d sizes_[32], scales_[32];  // by level
   double margin_ = 0.0;
   bool slope_ranges_ = false;
   std::vector<Brick> bricks_;

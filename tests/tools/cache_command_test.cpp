@@ -231,6 +231,48 @@ TEST_F(CacheCommandTest, UnwritableFilesFailBeforeTheWork) {
   EXPECT_EQ(folder_.count_files(), 2u);
 }
 
+TEST_F(CacheCommandTest, VerifyProvesACacheAgain) {
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  const CommandResult sample = run_morsel({"cache", "verify", cache_, scene_, "--samples", "200"});
+  EXPECT_EQ(sample.code, 0) << sample.err;
+  EXPECT_NE(sample.out.find("passed: 200 of"), std::string::npos) << sample.out;
+  const CommandResult full = run_morsel({"cache", "verify", cache_, scene_, "--full", "--json"});
+  ASSERT_EQ(full.code, 0) << full.err;
+  const json report = json::parse(full.out);
+  EXPECT_EQ(report["passed"], true);
+  EXPECT_EQ(report["cells_proved"], report["leaves"]);
+  EXPECT_EQ(report["geometry"], "rock");
+  // Of another field: named, not proved.
+  const CommandResult other = run_morsel(
+      {"cache", "verify", cache_, scene_, "--set", "geometries.rock.field.modulations.0.seed=4"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_NE(other.err.find("fingerprint"), std::string::npos) << other.err;
+  EXPECT_EQ(run_morsel({"cache", "verify", cache_, scene_, "--geometry", "none"}).code, 2);
+}
+
+TEST_F(CacheCommandTest, InfoListsComponentsByVolume) {
+  ASSERT_EQ(build({"-o", cache_}).code, 0);
+  const CommandResult all = run_morsel({"cache", "info", cache_, "--components", "3"});
+  ASSERT_EQ(all.code, 0) << all.err;
+  EXPECT_NE(all.out.find("volume (certified bounds)"), std::string::npos) << all.out;
+  EXPECT_NE(all.out.find("2 more"), std::string::npos) << all.out;
+  const json info = json::parse(run_morsel({"cache", "info", cache_, "--json"}).out);
+  double last = 1e300;
+  for (const json& row : info["component_table"]) {
+    EXPECT_LE(row["volume"][0], row["volume"][1]);
+    const double middle = row["volume"][0].get<double>() + row["volume"][1].get<double>();
+    EXPECT_LE(middle, last);
+    last = middle;
+  }
+}
+
+TEST_F(CacheCommandTest, TooLittleMemoryIsAFailureThatSaysSo) {
+  const CommandResult result = build({"-o", cache_, "--max-memory", "1e-5", "-q"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.err.find("memory"), std::string::npos) << result.err;
+  EXPECT_EQ(folder_.count_files(), 1u);  // the scene
+}
+
 TEST_F(CacheCommandTest, ProgressStaysOnStderrInTheFormAskedFor) {
   const CommandResult plain = build({"--force"});
   EXPECT_EQ(plain.err.find('\r'), std::string::npos);  // no bar into a file
