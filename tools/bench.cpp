@@ -4,6 +4,7 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "renderer/scene/load_scene.h"
 #include "renderer/scene/scene_json.h"
@@ -65,15 +66,18 @@ int run(const Options& options, const Session& session) {
   execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
   };
-  nlohmann::json result = bench_vs_mesh(hypertexture, options.vs_mesh, execution, reporter);
-  result["scene"] = options.scene.scene;
+  // First, so that a scene that can't be loaded says so at once.
+  std::optional<render::LoadedScene> scene;
   if (document.root().contains("camera")) {
     render::LoadOptions load;
     load.execution = execution;
     load.warn = [&](const std::string& message) { reporter.warn(message); };
-    const render::LoadedScene scene =
-        render::load_scene(options.scene.scene, options.scene.overrides(), load);
-    result["renderer"] = bench_renderer(scene, options.render_width, options.render_spp,
+    scene = render::load_scene(options.scene.scene, options.scene.overrides(), load);
+  }
+  nlohmann::json result = bench_vs_mesh(hypertexture, options.vs_mesh, execution, reporter);
+  result["scene"] = options.scene.scene;
+  if (scene) {
+    result["renderer"] = bench_renderer(*scene, options.render_width, options.render_spp,
                                         options.vs_mesh.repetitions, reporter);
     result["renderer_efficiency"] = result["renderer"]["efficiency"];
   }

@@ -371,7 +371,7 @@ TEST(MaterialSet, CheckerboardInWorldXZ) {
   const auto albedo = [&](const V3f& p) {
     SurfaceInteraction hit;
     hit.p = p;
-    return materials.parameters(hit).color.x;
+    return materials.shade(hit, V3f(0, 1, 0)).parameters.color.x;
   };
   EXPECT_EQ(albedo(V3f(1, 0, 1)), 0.1f);
   EXPECT_EQ(albedo(V3f(3, 5, 1)), 0.9f);
