@@ -31,6 +31,15 @@ std::optional<Imath::V3d> point_inside(const LocalModel& model) {
   return std::nullopt;
 }
 
+// The same in a cell whose own model need not show it: cells may have been decided by their parts.
+std::optional<Imath::V3d> point_in_cell(const ScalarField& field, const Box& box, int depth) {
+  constexpr int kDepth = 4;
+  auto point = point_inside(field.model(box));
+  for (int i = 0; i < 8 && !point && depth < kDepth; ++i)
+    point = point_in_cell(field, child_box(box, i), depth + 1);
+  return point;
+}
+
 // Numbers the sets by decreasing volume, as every component table is.
 void renumber(MorseComplex& complex, std::vector<Component>& table,
               std::vector<std::uint32_t>& label) {
@@ -77,7 +86,7 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
                       StreamlineTracer tracer = membership.make_tracer();
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {
                         const auto start =
-                            point_inside(fields.at(leaves[i].box).model(leaves[i].box));
+                            point_in_cell(fields.at(leaves[i].box), leaves[i].box, 0);
                         if (!start) continue;
                         if (const auto set = membership.set_of(*start, tracer)) label[i] = *set;
                       }
