@@ -30,6 +30,8 @@ using Index =
 // Collects the one point whose own radius reaches the query.
 class BasinHit {
  public:
+  using DistanceType = double;  // newer versions of nanoflann ask for it
+
   BasinHit(const Points& points, double largest_square) : points_(points), worst_(largest_square) {}
 
   bool addPoint(double square, std::size_t i) {
