@@ -201,6 +201,9 @@ int run(const Options& options, const Session& session) {
   if (result.statistics.non_finite_samples > 0)
     reporter.warn(fmt::format("{} of {} samples were not finite and count as black",
                               result.statistics.non_finite_samples, result.statistics.samples));
+  if (const std::uint64_t limits = step_limits(loaded.scene); limits > 0)
+    reporter.warn(fmt::format(
+        "{} ray tests ended at the limit of field evaluations: hits may be missing", limits));
 
   start = std::chrono::steady_clock::now();
   render::write_exr(exr, loaded.scene, result);

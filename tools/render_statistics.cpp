@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "hypertexture_geom/embree/geometry.h"
+
 namespace morsel::tools {
 namespace {
 
@@ -25,6 +27,16 @@ double per_second(std::uint64_t count, double seconds) {
 }
 
 }  // namespace
+
+std::uint64_t step_limits(const render::Scene& scene) {
+  std::uint64_t count = 0;
+  for (const render::Geometry& g : scene.geometries) {
+    const auto* hypertexture =
+        std::get_if<std::shared_ptr<const geom::HypertextureGeometry>>(&g.shape);
+    if (hypertexture && *hypertexture) count += (*hypertexture)->statistics().limits;
+  }
+  return count;
+}
 
 json statistics_json(const RenderReport& report, const render::LoadedScene& loaded,
                      const render::RenderResult& result) {
@@ -55,6 +67,7 @@ json statistics_json(const RenderReport& report, const render::LoadedScene& load
             {"bounce", s.rays.bounce},
             {"shadow", s.rays.shadow},
             {"total", s.rays.total()},
+            {"step_limits", step_limits(loaded.scene)},
             {"per_second", per_second(s.rays.total(), trace)}}},
           {"samples",
            {{"total", s.samples},

@@ -14,6 +14,10 @@ struct RenderReport {
   std::string scene, exr, png;  // png: empty if none was written
   double load_seconds = 0, render_seconds = 0, write_seconds = 0;
 };
+// Ray tests that ended at the limit of field evaluations, so that a hit may be missing or not the
+// first one: 0 unless a field is degenerate.
+std::uint64_t step_limits(const render::Scene& scene);
+
 nlohmann::json statistics_json(const RenderReport& report, const render::LoadedScene& loaded,
                                const render::RenderResult& result);
 
