@@ -47,11 +47,14 @@ bool SphereSurface::search(std::uint32_t, const RaySegment& ray, bool any, Root&
       } else {
         result = refine_root(value, s, g, next, there, 0.0, least, result);
       }
-      result.evaluations += evaluations;
-      count(result.evaluations, false);
-      root = {
-          from + result.t, from + std::max(result.t, result.beyond), result.evaluations, false, {}};
-      return root.t > ray.tnear && root.t < ray.tfar;
+      evaluations += result.evaluations;
+      // A root at tnear is none of the open interval: one that was found and refused before, and
+      // is met again by a rounding. What lies behind it is still to be found.
+      if (from + result.t > ray.tnear) {
+        count(evaluations, false);
+        root = {from + result.t, from + std::max(result.t, result.beyond), evaluations, false, {}};
+        return root.t < ray.tfar;
+      }
     }
     s = next;
     g = there;

@@ -170,6 +170,18 @@ void compare_with_march(const Hypertexture& rock, double kernel_radius, int rays
     EmbreeScene scene;
     int step;
     std::atomic<int> traced{0}, different{0};
+
+    void report(const RTCRay& ray, const RTCRayHit& model, const RTCRayHit& own) {
+      if (++different > 20) return;
+      const auto text = [](const RTCRayHit& h) {
+        return is_hit(h) ? fmt::format("a hit at {:.9g}", h.ray.tfar) : std::string("no hit");
+      };
+      fmt::print(
+          "  differs: from {:.9g} {:.9g} {:.9g} towards {:.9g} {:.9g} {:.9g}, {:.9g} to {:.9g}: "
+          "{}, not {}\n",
+          ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z, ray.tnear, ray.tfar,
+          text(own), text(model));
+    }
   };
   std::vector<std::unique_ptr<Other>> others;
   if (options.solvers) {
@@ -198,7 +210,7 @@ void compare_with_march(const Hypertexture& rock, double kernel_radius, int rays
         const double reach = 1e-6 * (object_size + static_cast<double>(a.ray.tfar) * speed);
         if (is_hit(a) != is_hit(b) ||
             (is_hit(a) && std::abs(static_cast<double>(a.ray.tfar - b.ray.tfar)) * speed > reach))
-          ++other->different;
+          other->report(ray, a, b);
       }
     }
     const std::scoped_lock lock(mutex);
