@@ -37,12 +37,8 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
     return false;
   stretch.entry = ray.origin + ray.direction * stretch.from;
   stretch.strict = stretch.from == ray.tnear;
-  if (!bricks_.has_slope_ranges()) {
-    if (!by_model(brick, ray, stretch, any, root)) return false;
-  } else {
-    if (!by_segment(index, ray, stretch, any, root)) return false;
-  }
-  return any || (root.t > ray.tnear && root.t < ray.tfar);
+  return bricks_.has_slope_ranges() ? by_segment(index, ray, stretch, any, root)
+                                    : by_model(brick, ray, stretch, any, root);
 }
 
 bool BrickSurface::by_segment(std::uint32_t index, const RaySegment& ray, const Stretch& stretch,

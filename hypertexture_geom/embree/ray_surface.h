@@ -86,7 +86,7 @@ class RaySurface {
   // crossing are roots. If F is 0 at tnear itself, that root is not in the open interval and is
   // left out.
   bool first_root(std::uint32_t primitive, const RaySegment& ray, Root& root) const {
-    if (!search(primitive, ray, false, root)) return false;
+    if (!next_root(primitive, ray, root)) return false;
     return !is_mixed(primitive) || first_kept(primitive, ray, root);
   }
   // Whether there is any; cheaper, as no root is refined.
@@ -127,7 +127,8 @@ class RaySurface {
   std::uint64_t violations() const { return violations_.load(std::memory_order_relaxed); }
 
  protected:
-  // As first_root, without asking for components; `any`: root need not be refined.
+  // The first root, of any component and perhaps at an end of the interval or, by a rounding, just
+  // before it. `any`: the root need not be refined.
   virtual bool search(std::uint32_t primitive, const RaySegment& ray, bool any,
                       Root& root) const = 0;
   virtual bool has_several(std::uint32_t primitive) const = 0;
@@ -148,6 +149,14 @@ class RaySurface {
   bool is_mixed(std::uint32_t primitive) const {
     return filtered_ != Filtered::kNone && (filtered_ == Filtered::kAll || has_several(primitive));
   }
+  // The first root within the open interval, of any component.
+  bool next_root(std::uint32_t primitive, const RaySegment& ray, Root& root) const {
+    if (!search(primitive, ray, false, root)) return false;
+    return root.t > ray.tnear ? root.t < ray.tfar : root_behind(primitive, ray, root);
+  }
+  // The same after search has given a root that is not behind tnear: one that was refused before
+  // and is met again by a rounding.
+  bool root_behind(std::uint32_t primitive, RaySegment ray, Root& root) const;
   bool first_kept(std::uint32_t primitive, RaySegment ray, Root& root) const;
 
   double tolerance_;

@@ -48,13 +48,9 @@ bool SphereSurface::search(std::uint32_t, const RaySegment& ray, bool any, Root&
         result = refine_root(value, s, g, next, there, 0.0, least, result);
       }
       evaluations += result.evaluations;
-      // A root at tnear is none of the open interval: one that was found and refused before, and
-      // is met again by a rounding. What lies behind it is still to be found.
-      if (from + result.t > ray.tnear) {
-        count(evaluations, false);
-        root = {from + result.t, from + std::max(result.t, result.beyond), evaluations, false, {}};
-        return root.t < ray.tfar;
-      }
+      count(evaluations, false);
+      root = {from + result.t, from + std::max(result.t, result.beyond), evaluations, false, {}};
+      return true;
     }
     s = next;
     g = there;
