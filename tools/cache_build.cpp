@@ -37,7 +37,8 @@ struct Options {
 // Why the cache has to be built; empty when the one that is there is current.
 // A file that is no cache at all is replaced only at a name of our own making.
 std::string reason_to_build(const render::CacheInspection& found, bool own_name, bool force,
-                            topology::Engine engine) {
+                            const topology::EngineOptions& wanted) {
+  const topology::Engine engine = wanted.engine;
   switch (found.state) {
     case CacheState::kMissing:
       return "missing";
@@ -52,6 +53,10 @@ std::string reason_to_build(const render::CacheInspection& found, bool own_name,
       if (has != to_string(engine) &&
           !(engine == topology::Engine::kCertified && has == to_string(topology::Engine::kBoth)))
         return fmt::format("made by the engine \"{}\"", has);
+      if (engine == topology::Engine::kCertified) break;
+      const nlohmann::json meta = topology::morse_meta(found.cache->sections, "topology cache");
+      if (const double had = meta.value("perturbation", 0.0); had != wanted.perturbation)
+        return fmt::format("made with the perturbation {}", had);
       break;
     }
   }
@@ -110,7 +115,7 @@ class Builder {
     const fs::path file = options_.output.empty() ? render::cache_file_of(document_, hypertexture)
                                                   : fs::path(options_.output);
     render::CacheInspection found = render::inspect_cache(file, hypertexture.hash);
-    const std::string reason = reason_to_build(found, own_name, options_.force, engine_.engine);
+    const std::string reason = reason_to_build(found, own_name, options_.force, engine_);
     if (!reason.empty()) {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
       topology::Execution execution;

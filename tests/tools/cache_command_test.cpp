@@ -134,6 +134,30 @@ TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
   EXPECT_EQ(build({"--engine", "guess"}).code, 2);
 }
 
+// The ridge of a torus is a curve of critical points; the remedy that the documentation names.
+TEST_F(CacheCommandTest, PerturbationResolvesCurvesOfCriticalPoints) {
+  const std::string torus =
+      folder_
+          .write("torus.json",
+                 R"({"morsel": 1, "geometries": [{"name": "ring", "type": "hypertexture",
+                     "field": {"density": {"type": "torus", "major_radius": 1, "minor_radius": 0.4, "smoothing": 0.1}}}]})")
+          .string();
+  const auto both = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"cache", "build", torus, "--engine", "both", "-o", cache_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_morsel(arguments);
+  };
+  const CommandResult plain = both({});
+  EXPECT_EQ(plain.code, 1) << plain.out;
+  EXPECT_NE(plain.err.find("perturb"), std::string::npos) << plain.err;
+  const CommandResult perturbed = both({"--perturb", "1e-2"});
+  EXPECT_EQ(perturbed.code, 0) << perturbed.err;
+  EXPECT_NE(perturbed.out.find("engines agree"), std::string::npos) << perturbed.out;
+  EXPECT_NE(both({"--perturb", "1e-2"}).out.find("up to date"), std::string::npos);
+  const CommandResult again = both({"--perturb", "2e-2"});
+  EXPECT_NE(again.out.find("made with the perturbation 0.01"), std::string::npos) << again.out;
+}
+
 TEST_F(CacheCommandTest, ExportsCriticalPoints) {
   ASSERT_EQ(build({"-o", cache_}).code, 0);
   const std::string csv = (folder_ / "a.csv").string(), vtp = (folder_ / "a.vtp").string(),

@@ -58,9 +58,10 @@ Audit audit(const ScalarField& field, const Topology& certified, const MorseComp
   if (certified.touches_box)
     audit.reasons.push_back("the box cuts the solid: pieces may have no maximum inside");
   if (!complex.resolved())
-    audit.reasons.push_back(
-        fmt::format("the Morse engine left {} boxes undecided and lost {} ascents",
-                    complex.unresolved_boxes, complex.lost.size()));
+    audit.reasons.push_back(fmt::format(
+        "the Morse engine left {} boxes undecided, lost {} ascents and found {} "
+        "degenerate points",
+        complex.unresolved_boxes, complex.lost.size(), complex.count(CriticalType::kDegenerate)));
   if (!audit.reasons.empty()) {
     // What is open may explain any of them.
     audit.disagreements.clear();

@@ -58,7 +58,9 @@ struct MorseComplex {
   std::uint64_t boxes = 0, models = 0;  // work of the subdivision
   double seconds_points = 0.0, seconds_separatrices = 0.0;
 
-  bool resolved() const { return unresolved_boxes == 0 && lost.empty(); }
+  bool resolved() const {
+    return unresolved_boxes == 0 && lost.empty() && count(CriticalType::kDegenerate) == 0;
+  }
   std::uint64_t count(CriticalType type) const;
 };
 
