@@ -164,7 +164,8 @@ TapeValue TapeBuilder::impulses(const ImpulseList& list) {
       l.slope[i] = l.slope[i] + about_zero(steep);
       l.slope_error[i] += slope_error;
     }
-    l.bend += 6.0 * w * p.inverse_square * q;
+    // Second derivatives: at most 6 w s q^2 across the radius and 6 w s q |5 q - 4| along it.
+    l.bend += 6.0 * w * p.inverse_square * std::min(1.0, 4.0 * q);
     sum += value;
     slope_sum += steep;
   }
