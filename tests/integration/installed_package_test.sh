@@ -23,7 +23,7 @@ quietly() {
 quietly cmake --install "$build" --prefix "$folder/installed"
 # A copy, so that no path into the repository can help.
 cp -r "$here" "$folder/viewer"
-quietly cmake -S "$folder/viewer" -B "$folder/build" -DCMAKE_BUILD_TYPE=Release \
+quietly cmake -G Ninja -S "$folder/viewer" -B "$folder/build" -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_PREFIX_PATH="$folder/installed"
 quietly cmake --build "$folder/build"
 cd "$folder"
