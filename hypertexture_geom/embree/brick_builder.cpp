@@ -45,7 +45,7 @@ const BrickBuilder::Content& BrickBuilder::examine(std::uint32_t node) {
     const bool undecided = n.cell_content() == topology::Content::kUndecided;
     if (undecided || n.cell_content() == topology::Content::kConnected) {
       if (undecided || (n.component < kept_.size() && kept_[n.component]))
-        c = {1, n.component, !undecided, 0};
+        c = {1, n.component, !undecided, n.merged};
       else
         c.pure = false;
     }
@@ -147,9 +147,10 @@ BrickBuilder::Made BrickBuilder::make_brick(const Place& place, const topology::
   }
   using namespace topology::monomial;
   const float change = std::abs(b.c[kX]) + std::abs(b.c[kY]) + std::abs(b.c[kZ]);
-  const bool splittable = !octree_.nodes[place.node].is_leaf() ||
-                          (place.below_leaf < options_.split_levels &&
-                           place.depth < static_cast<std::uint32_t>(topology::kMaxDepth));
+  const bool splittable =
+      !octree_.nodes[place.node].is_leaf() ||
+      (place.below_leaf < options_.split_levels + octree_.nodes[place.node].merged &&
+       place.depth < static_cast<std::uint32_t>(topology::kMaxDepth));
   const bool coarse =
       b.value_error - b.rounding > static_cast<float>(options_.error_ratio) * change;
   if (coarse && splittable) return Made::kTooCoarse;

@@ -36,7 +36,7 @@ SolidInputs::SolidInputs(const Scene& scene) {
     nlohmann::json description = solid.field->canonical_json();
     description["modulations"] = nlohmann::json::array();
     solid.density = geom::field_from_json(description, {"density", ""});
-    solid.components = std::max<std::size_t>(1, (*shape)->cache().topology.components.size());
+    solid.components = std::max<std::size_t>(1, (*shape)->components().size());
     solids_[static_cast<std::uint32_t>(i)] = std::move(solid);
   }
 }

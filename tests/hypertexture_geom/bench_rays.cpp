@@ -100,8 +100,8 @@ struct TriangleScene {
   double seconds = 0.0;
   long long bytes = 0;
 
-  TriangleScene(const HypertextureGeometry& geometry, const topology::KeepRule& keep) {
-    const topology::Topology& t = geometry.cache().topology;
+  TriangleScene(const HypertextureGeometry& geometry, const topology::Topology& t,
+                const topology::KeepRule& keep) {
     const double start = now();
     topology::MeshOptions options;
     options.error = 1e-4 * (geometry.bounds().max - geometry.bounds().min).length();
@@ -222,7 +222,7 @@ void run(int layers, const std::filesystem::path& cache_path, Solver solver, boo
   const double shadow_rate = measure("shadow", starts.size(), shadow(scene));
   if (!with_mesh) return;
 
-  const TriangleScene triangles(geometry, rock.keep);
+  const TriangleScene triangles(geometry, cache->topology, rock.keep);
   const double primary_mesh = measure("  primary", hits.size(), [&](std::size_t i) {
     RTCRayHit h = make_ray_hit(hits[i].ray);
     h.ray.tfar = std::numeric_limits<float>::infinity();
