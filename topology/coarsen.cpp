@@ -76,7 +76,7 @@ class Coarsener {
       component = child.component;
       if (content != Content::kConnected) continue;
       any_surface = true;
-      merged = std::max(merged, child.merged + 1);
+      merged = std::max(merged, merged_levels(child) + 1);
     }
     if (component == kNoComponent) {
       one = any_removed ? removed() : leaf(Content::kEmpty, kNoComponent);
@@ -84,7 +84,7 @@ class Coarsener {
     }
     if (any_removed || (!all_full && (!any_surface || merged > levels_))) return false;
     one = leaf(all_full ? Content::kFull : Content::kConnected, component);
-    one.merged = static_cast<std::uint8_t>(merged);
+    one.reserved = static_cast<std::uint8_t>(merged);
     return true;
   }
 

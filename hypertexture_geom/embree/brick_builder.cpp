@@ -10,6 +10,7 @@
 
 #include "hypertexture_geom/embree/brick_model.h"
 #include "topology/certified.h"
+#include "topology/coarsen.h"
 
 namespace morsel::geom {
 namespace {
@@ -45,7 +46,7 @@ const BrickBuilder::Content& BrickBuilder::examine(std::uint32_t node) {
     const bool undecided = n.cell_content() == topology::Content::kUndecided;
     if (undecided || n.cell_content() == topology::Content::kConnected) {
       if (undecided || (n.component < kept_.size() && kept_[n.component]))
-        c = {1, n.component, !undecided, n.merged};
+        c = {1, n.component, !undecided, topology::merged_levels(n)};
       else
         c.pure = false;
     }
@@ -148,7 +149,8 @@ BrickBuilder::Made BrickBuilder::make_brick(const Place& place, const topology::
   const float change = std::abs(b.c[kX]) + std::abs(b.c[kY]) + std::abs(b.c[kZ]);
   const bool splittable =
       !octree_.nodes[place.node].is_leaf() ||
-      (place.below_leaf < options_.split_levels + octree_.nodes[place.node].merged &&
+      (place.below_leaf <
+           options_.split_levels + topology::merged_levels(octree_.nodes[place.node]) &&
        place.depth < static_cast<std::uint32_t>(topology::kMaxDepth));
   const bool coarse =
       b.value_error - b.rounding > static_cast<float>(options_.error_ratio) * change;

@@ -47,8 +47,8 @@ void expect_same_answers(const Topology& t, const std::vector<bool>& kept, int l
       ASSERT_NE(node.cell_content(), Content::kEmpty);
       // Surface is at most `merged` levels further down, and full cells stay what they are.
       if (fine.cell_content() == Content::kConnected) {
-        ASSERT_LE(leaf.depth - found.depth, node.merged);
-        ASSERT_LE(int{node.merged}, levels);
+        ASSERT_LE(leaf.depth - found.depth, merged_levels(node));
+        ASSERT_LE(merged_levels(node), levels);
       }
     } else if (fine.cell_content() != Content::kEmpty) {
       // What is removed is never in a cell of a kept component, or rays would hit it.
