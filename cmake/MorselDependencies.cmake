@@ -18,6 +18,9 @@ find_package(nanoflann CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
+# Optional: a denoised image layer. Debian 13 has it (libopenimagedenoise-dev), Debian 12 does not.
+find_package(OpenImageDenoise CONFIG QUIET)
+
 find_package(embree 4 CONFIG QUIET)
 if(NOT embree_FOUND)
   find_package(embree 3.13 CONFIG REQUIRED)

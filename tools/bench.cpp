@@ -28,7 +28,21 @@ struct Options {
   bool json = false;
 };
 
-void print(const nlohmann::json& result) {
+void print_renderer(const nlohmann::json& result) {
+  if (!result.contains("renderer")) return;
+  const nlohmann::json& r = result["renderer"];
+  std::cout << fmt::format("  of the scene's render {:.3f} is Embree ({} rays)\n",
+                           r["efficiency"].get<double>(), r["rays"].get<std::uint64_t>());
+}
+
+// Whether there is a hypertexture to measure: a scene of meshes alone has its render measured.
+bool has_hypertexture(const render::SceneDocument& document) {
+  for (const render::GeometryEntry& entry : render::list_geometries(document))
+    if (entry.type == "hypertexture") return true;
+  return false;
+}
+
+void print_vs_mesh(const nlohmann::json& result) {
   const nlohmann::json& v = result["vs_mesh"];
   std::cout << fmt::format(
       "{}: hypertexture / Embree triangles of the same surface within {:.3g}\n",
@@ -49,32 +63,33 @@ void print(const nlohmann::json& result) {
       "  memory      {:6.3f} ({} bricks against {} triangles)\n  ready time  {:6.3f}\n",
       v["memory"].get<double>(), v["hypertexture"]["bricks"].get<std::uint64_t>(),
       v["mesh"]["triangles"].get<std::uint64_t>(), v["ready_time"].get<double>());
-  if (!result.contains("renderer")) return;
-  const nlohmann::json& r = result["renderer"];
-  std::cout << fmt::format("  of the scene's render {:.3f} is Embree ({} rays)\n",
-                           r["efficiency"].get<double>(), r["rays"].get<std::uint64_t>());
 }
 
 int run(const Options& options, const Session& session) {
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
-  const geom::Hypertexture hypertexture =
-      render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+  const bool camera = document.root().contains("camera");
+  // Without a camera, or with a name, it is an error that there is no hypertexture.
+  std::optional<geom::Hypertexture> hypertexture;
+  if (!camera || !options.geometry.empty() || has_hypertexture(document))
+    hypertexture =
+        render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
   topology::Execution execution;
   execution.cancel = session.cancel;
   execution.progress = [&](double fraction, const char* phase) {
-    reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
+    reporter.progress(fraction, fmt::format("topology: {}", phase));
   };
   // First, so that a scene that can't be loaded says so at once.
   std::optional<render::LoadedScene> scene;
-  if (document.root().contains("camera")) {
+  if (camera) {
     render::LoadOptions load;
     load.execution = execution;
     load.warn = [&](const std::string& message) { reporter.warn(message); };
     scene = render::load_scene(options.scene.scene, options.scene.overrides(), load);
   }
-  nlohmann::json result = bench_vs_mesh(hypertexture, options.vs_mesh, execution, reporter);
+  nlohmann::json result = nlohmann::json::object();
+  if (hypertexture) result = bench_vs_mesh(*hypertexture, options.vs_mesh, execution, reporter);
   result["scene"] = options.scene.scene;
   if (scene) {
     result["renderer"] = bench_renderer(*scene, options.render_width, options.render_spp,
@@ -83,10 +98,12 @@ int run(const Options& options, const Session& session) {
   }
   result["threads"] =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  if (options.json)
+  if (options.json) {
     std::cout << result.dump(2) << '\n';
-  else
-    print(result);
+    return kDone;
+  }
+  if (hypertexture) print_vs_mesh(result);
+  print_renderer(result);
   return kDone;
 }
 
@@ -101,7 +118,7 @@ void add_bench(CLI::App& parent, Session& session) {
   command->require_subcommand(0, 1);
   add_bench_topology(*command, session);
   command->add_option("--geometry", options->geometry,
-                      "Hypertexture geometry; may be left out if there is only one");
+                      "Hypertexture geometry; may be left out if there is only one, or none");
   command
       ->add_option("--error", options->vs_mesh.error,
                    "Error of the mesh as a share of the diagonal of what is kept")

@@ -7,6 +7,8 @@
 #include "renderer/accel/ray_log.h"
 #include "renderer/accel/scene_accel.h"
 #include "renderer/integrator/render.h"
+#include "renderer/light/light_set.h"
+#include "renderer/material/material_set.h"
 #include "tools/bench_rays.h"
 
 namespace morsel::tools {
@@ -31,7 +33,11 @@ nlohmann::json bench_renderer(const render::LoadedScene& loaded, int width, int 
   for (int i = 0; i < repetitions; ++i) {
     reporter.debug("rendering, and replaying its rays");
     double start = processor_seconds();
-    { const render::SceneAccel accel(scene); }
+    {
+      const render::SceneAccel accel(scene);
+      const render::MaterialSet materials(scene);
+      const render::LightSet lights(scene, false);
+    }
     const double build = processor_seconds() - start;
     start = processor_seconds();
     render::render(scene);

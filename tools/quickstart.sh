@@ -34,7 +34,7 @@ source tools/lib/build.sh
 source tools/lib/pictures.sh
 
 if [[ $packages == yes ]]; then install_packages; fi
-configure_and_build
+configure_and_build morsel # the tests are built by those who run them
 build_topology_cache scenes/default.json
 if [[ $render == no ]]; then
   print_times

@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "renderer/image/denoise.h"
 #include "renderer/image/exr.h"
 #include "renderer/image/png.h"
 #include "renderer/scene/load_scene.h"
@@ -37,6 +38,7 @@ struct Options {
   std::optional<std::int64_t> spp, seed;
   int threads = 0;
   std::string resolution, crop, keep, solver, membership, cache, stats;
+  bool denoise = false;
   bool check = false;
 };
 
@@ -66,6 +68,7 @@ std::vector<int> parse_integers(const std::string& flag, const std::string& text
 // --set first, then the flags that stand for values of the scene.
 std::vector<render::Override> all_overrides(const Options& options) {
   std::vector<render::Override> all = options.scene.overrides();
+  if (options.denoise) all.push_back({"render.denoise", true, "--denoise"});
   if (options.spp)
     all.push_back({"render.spp", *options.spp, fmt::format("--spp {}", *options.spp)});
   if (options.seed)
@@ -195,7 +198,7 @@ int run(const Options& options, const Session& session) {
   render_options.threads = options.threads;
   render_options.cancel = session.cancel;
   render_options.progress = [&](double fraction) { reporter.progress(fraction, "rendering"); };
-  const render::RenderResult result = render::render(loaded.scene, render_options);
+  render::RenderResult result = render::render(loaded.scene, render_options);
   if (result.cancelled) throw topology::Cancelled();
   report.render_seconds = seconds_since(start);
   if (result.statistics.non_finite_samples > 0)
@@ -205,9 +208,16 @@ int run(const Options& options, const Session& session) {
     reporter.warn(fmt::format(
         "{} ray tests ended at the limit of field evaluations: hits may be missing", limits));
 
+  if (loaded.scene.settings.denoise) {
+    if (render::denoiser_version().empty())
+      reporter.warn("this build has no Open Image Denoise: no denoised layer is written");
+    else
+      result.denoised = render::denoise(result.film);
+  }
   start = std::chrono::steady_clock::now();
   render::write_exr(exr, loaded.scene, result);
-  if (!png.empty()) render::write_png(png, result.film, loaded.scene.settings.exposure);
+  if (!png.empty())
+    render::write_png(png, result.film, loaded.scene.settings.exposure, result.denoised);
   report.write_seconds = seconds_since(start);
 
   if (!target.json) {
@@ -244,6 +254,8 @@ void add_render(CLI::App& parent, Session& session) {
                       "How detached pieces are told: labels, streamline (the paper's), off");
   command->add_option("--cache", options->cache,
                       "Topology cache of the scene's only hypertexture; built if missing");
+  command->add_flag("--denoise", options->denoise,
+                    "Write a denoised layer too, and the preview of it (if this build can)");
   command->add_option("--stats", options->stats, "What it took: text, json or json:FILE");
   command->add_flag("--check", options->check, "Only check the scene, as `scene check` does");
   add_threads_option(*command, options->threads);

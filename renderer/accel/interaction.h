@@ -32,6 +32,8 @@ struct SurfaceInteraction {
   V3f geometric_normal{0.0f};  // unit, outward: by winding for meshes, -grad F for hypertexture
   V3f shading_normal{0.0f};    // unit, in the hemisphere of geometric_normal
   V2f uv{0.0f, 0.0f};          // the mesh's, or barycentric
+  V2f uv1{0.0f, 0.0f};         // the mesh's second set, or `uv`
+  V3f vertex_color{1.0f};      // the mesh's, or white
   // In object space, for what is solid: the point, its unit normal, and the length there of a world
   // length of 1 (of a mean direction).
   V3f object_p{0.0f}, object_normal{0.0f, 1.0f, 0.0f};

@@ -17,10 +17,14 @@ GeometryHandle create_mesh_geometry(const Device& device, const TriangleMesh& me
     throw std::invalid_argument(fmt::format("mesh '{}': {}", name, what));
   };
   if (mesh.triangles.empty()) fail("it has no triangles");
-  if (!mesh.normals.empty() && mesh.normals.size() != vertices)
-    fail(fmt::format("{} normals for {} vertices", mesh.normals.size(), vertices));
-  if (!mesh.uvs.empty() && mesh.uvs.size() != vertices)
-    fail(fmt::format("{} texture coordinates for {} vertices", mesh.uvs.size(), vertices));
+  const auto check = [&](const auto& values, const char* what) {
+    if (!values.empty() && values.size() != vertices)
+      fail(fmt::format("{} {} for {} vertices", values.size(), what, vertices));
+  };
+  check(mesh.normals, "normals");
+  check(mesh.uvs, "texture coordinates");
+  check(mesh.uvs1, "second texture coordinates");
+  check(mesh.colors, "colors");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Imath::V3i& t = mesh.triangles[i];
     for (int k = 0; k < 3; ++k)
@@ -82,16 +86,19 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
 
   s.shading_normal = s.geometric_normal;
   if (!mesh.normals.empty()) {
-    const V3d interpolated =
+    const V3d mean =
         V3d(mesh.normals[i0]) * b0 + V3d(mesh.normals[i1]) * b1 + V3d(mesh.normals[i2]) * b2;
-    const V3f shading(transform.normal_to_world(interpolated));
-    if (interpolated.dot(interpolated) > 0.0) s.object_normal = V3f(interpolated.normalized());
+    const V3f shading(transform.normal_to_world(mean));
+    if (mean.dot(mean) > 0.0) s.object_normal = V3f(mean.normalized());
     if (is_finite(shading))
       s.shading_normal = dot(shading, s.geometric_normal) < 0.0f ? -shading : shading;
   }
-  s.uv = mesh.uvs.empty()
-             ? V2f(u, v)
-             : mesh.uvs[i0] * static_cast<float>(b0) + mesh.uvs[i1] * u + mesh.uvs[i2] * v;
+  const auto interpolated = [&](const auto& values) {
+    return values[i0] * static_cast<float>(b0) + values[i1] * u + values[i2] * v;
+  };
+  s.uv = mesh.uvs.empty() ? V2f(u, v) : interpolated(mesh.uvs);
+  s.uv1 = mesh.uvs1.empty() ? s.uv : interpolated(mesh.uvs1);
+  if (!mesh.colors.empty()) s.vertex_color = interpolated(mesh.colors);
 }
 
 }  // namespace morsel::render

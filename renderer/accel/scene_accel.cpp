@@ -197,6 +197,8 @@ SceneAccel::Statistics SceneAccel::statistics() const {
   return s;
 }
 
+const char* embree_version() { return RTC_VERSION_STRING; }
+
 FlushDenormals::FlushDenormals() : saved_(_mm_getcsr()) {
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);

@@ -40,6 +40,9 @@ class SceneAccel {
   std::unique_ptr<Impl> impl_;
 };
 
+// Of the Embree that this was built with, as "3.13.5".
+const char* embree_version();
+
 // Sets flush-to-zero and denormals-are-zero, which Embree wants in threads that trace, and restores
 // the thread's mode at the end.
 class FlushDenormals {

@@ -8,18 +8,32 @@
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/OpenEXRConfig.h>
+#include <OpenImageIO/oiioversion.h>
 #include <fmt/format.h>
 
+#include <ctime>
 #include <functional>
 #include <stdexcept>
 #include <vector>
 
 #include "renderer/camera/camera.h"
 #include "renderer/film/matte_names.h"
+#include "renderer/image/denoise.h"
 #include "topology/replacing_file.h"
 
 namespace morsel::render {
 namespace {
+
+// As the attribute capDate has it.
+std::string local_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  localtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &parts);
+  return text;
+}
 
 constexpr auto kHalfMax = static_cast<float>(HALF_MAX);
 
@@ -36,7 +50,8 @@ void add_colors(std::vector<Channel>& channels, const std::string& prefix, const
                         [value, c](const Film& f, int x, int y) { return value(f, x, y)[c]; }});
 }
 
-std::vector<Channel> channels_of(const Scene& scene, const Film& film) {
+std::vector<Channel> channels_of(const Scene& scene, const RenderResult& result) {
+  const Film& film = result.film;
   std::vector<Channel> list;
   const auto color = [&](const char* prefix, const char* letters, Imf::PixelType type,
                          V3f Pixel::*member) {
@@ -60,6 +75,12 @@ std::vector<Channel> channels_of(const Scene& scene, const Film& film) {
   list.push_back({"sampleCount", Imf::FLOAT, [](const Film& f, int x, int y) {
                     return static_cast<float>(f.at(x, y).samples);
                   }});
+  if (const std::vector<V3f>& denoised = result.denoised; !denoised.empty())
+    add_colors(list, "denoised.", "RGB", Imf::HALF, [&denoised](const Film& f, int x, int y) {
+      return denoised[static_cast<std::size_t>(y - f.window().y0) *
+                          static_cast<std::size_t>(f.width()) +
+                      static_cast<std::size_t>(x - f.window().x0)];
+    });
   for (std::size_t g = 0; g < film.group_count(); ++g)
     add_colors(list, "light_" + scene.light_groups[g] + ".", "RGB", Imf::HALF,
                [g](const Film& f, int x, int y) { return f.group(g, x, y); });
@@ -106,6 +127,13 @@ Imf::Header make_header(const Scene& scene, const RenderResult& result,
   Imf::addWorldToCamera(header, camera.world_to_camera());
   Imf::addWorldToNDC(header, camera.world_to_ndc());
   header.insert("software", Imf::StringAttribute("Morsel " MORSEL_VERSION));
+  header.insert("morsel:embree", Imf::StringAttribute(embree_version()));
+  header.insert("morsel:openimageio", Imf::StringAttribute(OIIO_VERSION_STRING));
+  header.insert("morsel:openexr", Imf::StringAttribute(OPENEXR_VERSION_STRING));
+  if (!result.denoised.empty())
+    header.insert("morsel:denoiser",
+                  Imf::StringAttribute("Open Image Denoise " + denoiser_version()));
+  Imf::addCapDate(header, local_time());
   header.insert("morsel:spp", Imf::IntAttribute(s.spp));
   header.insert("morsel:maxDepth", Imf::IntAttribute(s.max_depth));
   // As text: an EXR integer is signed.
@@ -113,6 +141,8 @@ Imf::Header make_header(const Scene& scene, const RenderResult& result,
   header.insert("morsel:exposure", Imf::FloatAttribute(s.exposure));
   header.insert("morsel:renderSeconds",
                 Imf::DoubleAttribute(result.statistics.seconds_of("trace")));
+  for (const auto& [phase, seconds] : result.statistics.seconds)
+    header.insert("morsel:seconds:" + phase, Imf::DoubleAttribute(seconds));
   header.insert("morsel:fireflyPixels",
                 Imf::DoubleAttribute(static_cast<double>(result.statistics.firefly_pixels)));
   header.insert("morsel:rays",
@@ -131,7 +161,7 @@ void write_exr(const std::filesystem::path& path, const Scene& scene, const Rend
   const auto height = static_cast<std::size_t>(film.height());
   topology::ReplacingFile file(path);
   try {
-    const std::vector<Channel> channels = channels_of(scene, film);
+    const std::vector<Channel> channels = channels_of(scene, result);
     const Imf::Header header = make_header(scene, result, channels);
     // One plane per channel, stored as the file has it.
     std::vector<std::vector<char>> planes;

@@ -19,13 +19,15 @@ namespace morsel::render {
 //   component          float  1 + id of the hypertexture component first hit, else 0
 //   steps              float  evaluations that finding the first hit took, where they are counted
 //   sampleCount        float  paths; 0 where the render was cancelled
+//   denoised.R .G .B   half   R, G, B without noise, if RenderResult has it
 //   light_NAME.R .G .B half   the part of R, G, B of each light group
 //   crypto_object00.R .. crypto_object02.A, crypto_material.., crypto_component..
 //                      float  Cryptomatte, if asked for: (id, share) of up to six names
-// A crop is the data window inside the display window of the full image. The header has version,
-// samples, seed, depth, render time, rays, exposure and the camera's matrices (worldToCamera,
-// worldToNDC). Values outside half's range are clamped to it. Appears under `path` only when
-// complete; throws std::runtime_error that names the file.
+// A crop is the data window inside the display window of the full image. The header has the
+// versions of Morsel and of the libraries that made the pixels, samples, seed, depth, the time of
+// writing and those of each phase of the render, rays, exposure and the camera's matrices
+// (worldToCamera, worldToNDC). Values outside half's range are clamped to it. Appears under `path`
+// only when complete; throws std::runtime_error that names the file.
 void write_exr(const std::filesystem::path& path, const Scene& scene, const RenderResult& result);
 
 }  // namespace morsel::render

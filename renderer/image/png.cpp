@@ -22,7 +22,8 @@ std::uint8_t to_byte(float x) { return static_cast<std::uint8_t>(x * 255.0f + 0.
 
 }  // namespace
 
-void write_png(const std::filesystem::path& path, const Film& film, float exposure) {
+void write_png(const std::filesystem::path& path, const Film& film, float exposure,
+               const std::vector<V3f>& denoised) {
   const Crop& window = film.window();
   std::vector<std::uint8_t> bytes;
   bytes.reserve(4u * static_cast<std::size_t>(film.width()) *
@@ -31,7 +32,8 @@ void write_png(const std::filesystem::path& path, const Film& film, float exposu
     for (int x = window.x0; x < window.x1; ++x) {
       const Pixel& p = film.at(x, y);
       const float alpha = std::clamp(p.alpha, 0.0f, 1.0f);
-      const V3f c = tone_map(alpha > 0.0f ? p.color / alpha : V3f(0.0f), exposure);
+      const V3f& radiance = denoised.empty() ? p.color : denoised[bytes.size() / 4];
+      const V3f c = tone_map(alpha > 0.0f ? radiance / alpha : V3f(0.0f), exposure);
       bytes.insert(bytes.end(), {to_byte(c.x), to_byte(c.y), to_byte(c.z), to_byte(alpha)});
     }
 

@@ -179,6 +179,7 @@ V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
   };
   on.object_p = mixed(mesh.positions);
   if (!mesh.uvs.empty()) on.uv = mixed(mesh.uvs);
+  on.uv1 = mesh.uvs1.empty() ? on.uv : mixed(mesh.uvs1);
   on.geometric_normal = on.shading_normal = -light.wi;
   return materials_.emission(on, -light.wi);
 }

@@ -51,6 +51,8 @@ struct RenderStatistics {
 struct RenderResult {
   Film film;  // pixels that were not reached have samples == 0
   RenderStatistics statistics;
+  // By denoise(), row by row of the film's window, if that was asked for and could be done.
+  std::vector<V3f> denoised = {};
   bool cancelled = false;  // before all pixels were done
 };
 

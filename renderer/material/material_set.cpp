@@ -89,13 +89,15 @@ void MaterialSet::apply_textures(const Material& m, const TexturePoint& point,
 
 void MaterialSet::bend_normal(const Material& m, const TexturePoint& point, V3f& n) const {
   const V3f before = n;
-  if (m.texture(MaterialInput::kNormal) != kNoTexture && point.frame.valid()) {
-    const V3f u = point.frame.u_tangent - n * dot(n, point.frame.u_tangent);
+  const std::uint32_t normal_map = m.texture(MaterialInput::kNormal);
+  const SurfaceFrame* uv = normal_map != kNoTexture ? &textures_.frame(normal_map, point) : nullptr;
+  if (uv != nullptr && uv->valid()) {
+    const V3f u = uv->u_tangent - n * dot(n, uv->u_tangent);
     if (dot(u, u) > 0.0f) {
       const V3f tangent = normalize(u);
       V3f bitangent = cross(n, tangent);
-      if (dot(bitangent, point.frame.v_tangent) < 0.0f) bitangent = -bitangent;
-      const V3f t = textures_.color(m.texture(MaterialInput::kNormal), point) * 2.0f - V3f(1.0f);
+      if (dot(bitangent, uv->v_tangent) < 0.0f) bitangent = -bitangent;
+      const V3f t = textures_.color(normal_map, point) * 2.0f - V3f(1.0f);
       n = tangent * (t.x * m.normal_scale) + bitangent * (t.y * m.normal_scale) +
           n * std::max(t.z, 1e-3f);
       n = normalize(n);
@@ -117,6 +119,9 @@ MaterialSet::Shading MaterialSet::shade(const SurfaceInteraction& hit, const V3f
   const Prepared& prepared = prepared_[hit.material];
   Shading s{prepared.base, hit.shading_normal};
   if (m.checker_color) s.parameters.color = checkered(m, hit.p);
+  if (hit.vertex_color != V3f(1.0f))
+    for (int i = 0; i < 3; ++i)
+      s.parameters.color[i] *= std::clamp(hit.vertex_color[i], 0.0f, 1.0f);
   if (prepared.textured) apply_textures(m, TexturePoint(scene_, hit, wo), s);
   s.parameters.alpha = std::max(s.parameters.alpha, smallest_alpha);
   s.parameters.clearcoat_alpha = std::max(s.parameters.clearcoat_alpha, smallest_alpha);

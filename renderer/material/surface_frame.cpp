@@ -3,10 +3,12 @@
 
 namespace morsel::render {
 
-SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit) {
+SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit, int uv_set) {
   SurfaceFrame frame;
   const auto* mesh = std::get_if<TriangleMesh>(&scene.geometries[hit.geometry].shape);
-  if (mesh == nullptr || mesh->uvs.empty()) return frame;
+  if (mesh == nullptr) return frame;
+  const std::vector<V2f>& uvs = uv_set == 1 && !mesh->uvs1.empty() ? mesh->uvs1 : mesh->uvs;
+  if (uvs.empty()) return frame;
   const Imath::V3i& t = mesh->triangles[hit.primitive];
   const auto i0 = static_cast<std::size_t>(t.x), i1 = static_cast<std::size_t>(t.y),
              i2 = static_cast<std::size_t>(t.z);
@@ -14,7 +16,7 @@ SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit) {
   const Imath::M44d& m = scene.instances[hit.instance].object_to_world;
   m.multDirMatrix(V3d(mesh->positions[i1] - mesh->positions[i0]), e1);
   m.multDirMatrix(V3d(mesh->positions[i2] - mesh->positions[i0]), e2);
-  const Imath::V2d a(mesh->uvs[i1] - mesh->uvs[i0]), b(mesh->uvs[i2] - mesh->uvs[i0]);
+  const Imath::V2d a(uvs[i1] - uvs[i0]), b(uvs[i2] - uvs[i0]);
   const double area = a.x * b.y - a.y * b.x;
   const V3d n = e1.cross(e2);
   const double n2 = n.dot(n);

@@ -14,7 +14,8 @@ struct SurfaceFrame {
 
   bool valid() const { return dot(u_gradient, u_gradient) > 0.0f; }
 };
-SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit);
+// Of the mesh's first or second set of coordinates, 0 or 1; the first stands in for the second.
+SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit, int uv_set = 0);
 
 // The ellipse that a ray's cone of width hit.footprint cuts out of the surface: its half axes.
 struct Footprint {

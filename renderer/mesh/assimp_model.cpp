@@ -111,7 +111,7 @@ Model read_model_with_assimp(const std::filesystem::path& file,
     append_assimp_mesh(part, mesh, file);
     if (!part.HasNormals()) mesh.normals.clear();
     if (!part.HasTextureCoords(0)) mesh.uvs.clear();
-    validate_mesh(mesh, file);
+    validate_mesh(mesh, fmt::format("{}: mesh {}", file.string(), i));
     normalise_normals(mesh);
     if (mesh.normals.empty()) mesh.normals = smooth_normals(mesh);
     const std::string name = part.mName.length > 0 ? part.mName.C_Str() : fmt::format("mesh {}", i);

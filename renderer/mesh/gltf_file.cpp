@@ -20,18 +20,46 @@ bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*,
 // An extension that the file says cannot be ignored, and that changes what the geometry is.
 void refuse_unknown_extensions(const tinygltf::Model& model) {
   for (const std::string& name : model.extensionsRequired) {
-    const bool harmless = name.rfind("KHR_materials_", 0) == 0 ||
-                          name.rfind("KHR_texture_", 0) == 0 || name == "KHR_lights_punctual" ||
+    const bool harmless = name.rfind("KHR_materials_", 0) == 0 || name == "KHR_texture_transform" ||
+                          name == "KHR_lights_punctual" || name == "KHR_mesh_quantization" ||
                           name == "EXT_texture_webp";
     if (!harmless) throw GltfError("requires the extension " + name + ", which is not supported");
   }
 }
 
+// Brackets within brackets: tinygltf calls itself for each level, and the stack ends somewhere.
+constexpr int kDeepest = 256;
+void refuse_deep_nesting(const std::filesystem::path& file, bool binary) {
+  std::ifstream in(file, std::ios::binary);
+  if (binary) in.seekg(20);  // the JSON begins here, and ends in whatever follows
+  int depth = 0;
+  bool text = false, escaped = false;
+  std::vector<char> buffer(std::size_t{1} << 16);
+  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0) {
+    for (std::streamsize i = 0; i < in.gcount(); ++i) {
+      const char c = buffer[static_cast<std::size_t>(i)];
+      if (text) {
+        if (!escaped && c == '"') text = false;
+        escaped = !escaped && c == '\\';
+      } else if (c == '"') {
+        text = true;
+      } else if (c == '{' || c == '[') {
+        if (++depth > kDeepest)
+          throw GltfError(fmt::format("its JSON is nested deeper than {} levels", kDeepest));
+      } else if ((c == '}' || c == ']') && --depth <= 0) {
+        return;
+      }
+    }
+  }
+}
+
 // Row vectors, as Imath has it; a column-major matrix for column vectors has the same layout.
-Imath::M44d local_transform(const tinygltf::Node& node) {
+Imath::M44d local_transform(const tinygltf::Node& node, int index) {
   Imath::M44d m;
   if (node.matrix.size() == 16) {
     for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+    if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
+      throw GltfError(fmt::format("node {} has a matrix whose last row is not 0, 0, 0, 1", index));
     return m;
   }
   if (node.scale.size() == 3) m.setScale(Imath::V3d(node.scale[0], node.scale[1], node.scale[2]));
@@ -78,9 +106,10 @@ tinygltf::Model parse_gltf(const std::filesystem::path& file) {
   std::string error, warning;
   std::string start(4, '\0');
   std::ifstream(file, std::ios::binary).read(start.data(), 4);
-  const bool done = start == "glTF"
-                        ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
-                        : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
+  const bool binary = start == "glTF";
+  refuse_deep_nesting(file, binary);
+  const bool done = binary ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
+                           : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
   if (done) {
     if (model.asset.version.rfind("2.", 0) != 0)
       throw GltfError(
@@ -109,12 +138,13 @@ void for_each_node(
     const auto [index, parent] = stack.back();
     stack.pop_back();
     if (index < 0 || static_cast<std::size_t>(index) >= model.nodes.size())
-      throw GltfError(fmt::format("node {} does not exist", index));
+      throw GltfError(
+          fmt::format("node {} does not exist; there are {}", index, model.nodes.size()));
     if (visited[static_cast<std::size_t>(index)])
       throw GltfError(fmt::format("node {} is reached twice; nodes must form a tree", index));
     visited[static_cast<std::size_t>(index)] = true;
     const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
-    const Imath::M44d transform = local_transform(node) * parent;
+    const Imath::M44d transform = local_transform(node, index) * parent;
     if (node.mesh >= 0 && static_cast<std::size_t>(node.mesh) >= model.meshes.size())
       throw GltfError(fmt::format("node {} names mesh {}, which does not exist", index, node.mesh));
     visit(node, index, transform);
@@ -123,26 +153,57 @@ void for_each_node(
   }
 }
 
-std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model,
-                                           const tinygltf::Primitive& primitive) {
+namespace {
+
+// Texture coordinates of a set, v up; empty if there is none.
+std::vector<Imath::V2f> texture_coordinates(const tinygltf::Model& model,
+                                            const tinygltf::Primitive& primitive,
+                                            const char* name) {
+  const std::optional<int> accessor = attribute(primitive, name);
+  if (!accessor) return {};
+  std::vector<Imath::V2f> uvs = read_vectors2(model, *accessor);
+  for (Imath::V2f& uv : uvs) uv.y = 1.0f - uv.y;  // v is down
+  return uvs;
+}
+
+// Draco's data are only read where the file has the same data without it.
+void refuse_compressed(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+                       int position) {
+  const auto accessor = static_cast<std::size_t>(position);
+  if (primitive.extensions.count("KHR_draco_mesh_compression") != 0 &&
+      accessor < model.accessors.size() && model.accessors[accessor].bufferView < 0)
+    throw GltfError("is compressed by KHR_draco_mesh_compression, which is not supported");
+}
+
+std::optional<TriangleMesh> triangles_of(const tinygltf::Model& model,
+                                         const tinygltf::Primitive& primitive) {
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+  if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
+    throw GltfError(fmt::format("has mode {}; modes are 0 to 6", mode));
   if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
       mode != TINYGLTF_MODE_TRIANGLE_FAN)
     return std::nullopt;  // points and lines
   const std::optional<int> position = attribute(primitive, "POSITION");
   if (!position) return std::nullopt;  // the specification: such a primitive is skipped
+  refuse_compressed(model, primitive, *position);
   TriangleMesh mesh;
   mesh.positions = read_vectors3(model, *position);
   if (const std::optional<int> normal = attribute(primitive, "NORMAL"))
     mesh.normals = read_vectors3(model, *normal);
-  if (const std::optional<int> uv = attribute(primitive, "TEXCOORD_0")) {
-    mesh.uvs = read_vectors2(model, *uv);
-    for (Imath::V2f& coordinates : mesh.uvs) coordinates.y = 1.0f - coordinates.y;  // v is down
-  }
+  mesh.uvs = texture_coordinates(model, primitive, "TEXCOORD_0");
+  mesh.uvs1 = texture_coordinates(model, primitive, "TEXCOORD_1");
+  if (const std::optional<int> colors = attribute(primitive, "COLOR_0"))
+    mesh.colors = read_colors(model, *colors);
   const std::size_t count = mesh.positions.size();
-  if ((!mesh.normals.empty() && mesh.normals.size() != count) ||
-      (!mesh.uvs.empty() && mesh.uvs.size() != count))
-    throw GltfError("a primitive has attributes of different lengths");
+  const auto same = [&](const auto& values, const char* name) {
+    if (!values.empty() && values.size() != count)
+      throw GltfError(fmt::format("has attributes of different lengths: {} {}, but {} POSITION",
+                                  values.size(), name, count));
+  };
+  same(mesh.normals, "NORMAL");
+  same(mesh.uvs, "TEXCOORD_0");
+  same(mesh.uvs1, "TEXCOORD_1");
+  same(mesh.colors, "COLOR_0");
 
   std::vector<std::uint32_t> indices;
   if (primitive.indices >= 0) {
@@ -150,17 +211,31 @@ std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model,
   } else {
     for (std::size_t i = 0; i < count; ++i) indices.push_back(static_cast<std::uint32_t>(i));
   }
-  for (const auto& corners : triangles_of(indices, mode)) {
-    Imath::V3i triangle;
-    for (int i = 0; i < 3; ++i) {
-      const std::uint32_t corner = corners[static_cast<std::size_t>(i)];
-      if (corner >= count)
-        throw GltfError(fmt::format("an index is {}, but there are {} vertices", corner, count));
-      triangle[i] = static_cast<int>(corner);
-    }
-    mesh.triangles.push_back(triangle);
-  }
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    if (indices[i] >= count)
+      throw GltfError(
+          fmt::format("index {} is {}, but there are {} vertices", i, indices[i], count));
+  for (const auto& corners : triangles_of(indices, mode))
+    mesh.triangles.emplace_back(static_cast<int>(corners[0]), static_cast<int>(corners[1]),
+                                static_cast<int>(corners[2]));
   return mesh;
+}
+
+}  // namespace
+
+std::string primitive_place(const tinygltf::Model& model, std::size_t mesh, std::size_t primitive) {
+  const std::string& name = model.meshes[mesh].name;
+  return name.empty() ? fmt::format("mesh {}, primitive {}", mesh, primitive)
+                      : fmt::format("mesh {} (\"{}\"), primitive {}", mesh, name, primitive);
+}
+
+std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model, std::size_t mesh,
+                                           std::size_t primitive) {
+  try {
+    return triangles_of(model, model.meshes[mesh].primitives[primitive]);
+  } catch (const GltfError& e) {
+    throw GltfError(primitive_place(model, mesh, primitive) + ": " + e.what());
+  }
 }
 
 }  // namespace morsel::render

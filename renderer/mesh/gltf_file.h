@@ -25,9 +25,11 @@ void for_each_node(
     const std::function<void(const tinygltf::Node&, int, const Imath::M44d&)>& visit);
 
 // The triangles of a primitive in its own space; none for points, lines and what has no positions.
-// Normals and texture coordinates (of set 0, v up) are empty where the file has none. Throws
-// GltfError.
-std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model,
-                                           const tinygltf::Primitive& primitive);
+// Normals, texture coordinates (of sets 0 and 1, v up) and colors (of set 0) are empty where the
+// file has none. Throws GltfError that names the primitive.
+std::optional<TriangleMesh> read_primitive(const tinygltf::Model& model, std::size_t mesh,
+                                           std::size_t primitive);
+// For messages: numbers and name.
+std::string primitive_place(const tinygltf::Model& model, std::size_t mesh, std::size_t primitive);
 
 }  // namespace morsel::render

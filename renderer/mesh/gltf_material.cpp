@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <map>
+#include <string_view>
 
 namespace morsel::render {
 namespace {
@@ -33,6 +36,13 @@ V3f color(const std::vector<double>& values, const V3f& fallback) {
   return {static_cast<float>(values[0]), static_cast<float>(values[1]),
           static_cast<float>(values[2])};
 }
+
+constexpr std::string_view kUnderstood[] = {
+    "KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",        "KHR_materials_specular",
+    "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume"};
 
 // A colour or number outside [0, 1] is the file's mistake; the BSDFs rely on the range.
 float share(double x) { return std::clamp(static_cast<float>(x), 0.0f, 1.0f); }
@@ -85,6 +95,10 @@ class Converter {
 
   void extensions(const tinygltf::Material& from) {
     Material& m = material_;
+    for (const auto& [name, value] : from.extensions)
+      if (std::find(std::begin(kUnderstood), std::end(kUnderstood), name) == std::end(kUnderstood))
+        warn_(fmt::format("material \"{}\": the extension {} is not supported and left out", m.name,
+                          name));
     const auto with = [&](const char* name, const auto& read) {
       const auto it = from.extensions.find(name);
       if (it != from.extensions.end()) read(it->second);
@@ -164,17 +178,24 @@ class Converter {
   void set(MaterialInput input, const Slot& slot, ColorSpace space, TextureChannel channel) {
     if (slot.index < 0) return;
     if (static_cast<std::size_t>(slot.index) >= model_.textures.size())
-      throw GltfError(fmt::format("material \"{}\" names texture {}, which does not exist",
-                                  material_.name, slot.index));
+      throw GltfError(
+          fmt::format("material \"{}\" names texture {}, which does not exist; there are {}",
+                      material_.name, slot.index, model_.textures.size()));
     const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(slot.index)];
     int source = texture.source;
     if (const auto webp = texture.extensions.find("EXT_texture_webp");
         webp != texture.extensions.end())
       source = static_cast<int>(number(webp->second, "source", source));
-    if (source < 0) return;
+    if (source < 0) {
+      warn_(
+          fmt::format("texture {} of material \"{}\" has no image of a kind that can be read{}; "
+                      "it is left out",
+                      slot.index, material_.name, extensions_of(texture)));
+      return;
+    }
     if (static_cast<std::size_t>(source) >= model_.images.size())
-      throw GltfError(
-          fmt::format("texture {} names image {}, which does not exist", slot.index, source));
+      throw GltfError(fmt::format("texture {} names image {}, which does not exist; there are {}",
+                                  slot.index, source, model_.images.size()));
     int set = slot.set;
     ImageTexture image = image_of(model_.images[static_cast<std::size_t>(source)], source);
     image.color_space = space;
@@ -198,23 +219,35 @@ class Converter {
       image.rotation = number(transform->second, "rotation", 0.0) * (180.0f / 3.14159265f);
       set = static_cast<int>(number(transform->second, "texCoord", set));
     }
-    if (set != 0)
-      warn_(fmt::format("material \"{}\" uses texture coordinates {}; the first ones are taken",
-                        material_.name, set));
+    if (set != 0 && set != 1)
+      warn_(
+          fmt::format("material \"{}\" uses texture coordinates {}; the first ones are taken, as "
+                      "only 0 and 1 are read",
+                      material_.name, set));
+    image.uv_set = set == 1 ? 1 : 0;
     material_.texture(input) = static_cast<std::uint32_t>(scene_.textures.size());
     scene_.textures.push_back({fmt::format("{} {}", material_.name, slot.index), image, channel});
   }
 
-  ImageTexture image_of(const tinygltf::Image& image, int index) const {
+  ImageTexture image_of(const tinygltf::Image& image, int index) {
     ImageTexture texture;
     if (!image.image.empty()) {
-      texture.data = std::make_shared<const std::vector<unsigned char>>(image.image);
+      auto& bytes = images_[index];
+      if (!bytes) bytes = std::make_shared<const std::vector<unsigned char>>(image.image);
+      texture.data = bytes;
       texture.description =
           fmt::format("image {} ({})", index, image.uri.empty() ? image.name : image.uri);
       return texture;
     }
     throw GltfError(fmt::format("image {} ({}) cannot be read", index,
                                 image.uri.empty() ? "in a buffer" : image.uri));
+  }
+
+  static std::string extensions_of(const tinygltf::Texture& texture) {
+    std::string names;
+    for (const auto& [name, value] : texture.extensions)
+      names += (names.empty() ? " (" : ", ") + name;
+    return names.empty() ? names : names + ")";
   }
 
   static Wrap wrap_of(int gl) {
@@ -227,6 +260,7 @@ class Converter {
   const std::function<void(const std::string&)>& warn_;
   Scene& scene_;
   Material material_;
+  std::map<int, std::shared_ptr<const std::vector<unsigned char>>> images_;  // of all textures
 };
 
 }  // namespace

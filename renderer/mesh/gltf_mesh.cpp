@@ -16,10 +16,10 @@ class Flattener {
 
   TriangleMesh flatten() {
     if (model_.scenes.empty()) {
-      for (const tinygltf::Mesh& mesh : model_.meshes) add_mesh(mesh, Imath::M44d());
+      for (std::size_t i = 0; i < model_.meshes.size(); ++i) add_mesh(i, Imath::M44d());
     } else {
       for_each_node(model_, [&](const tinygltf::Node& node, int, const Imath::M44d& transform) {
-        if (node.mesh >= 0) add_mesh(model_.meshes[static_cast<std::size_t>(node.mesh)], transform);
+        if (node.mesh >= 0) add_mesh(static_cast<std::size_t>(node.mesh), transform);
       });
     }
     if (!any_normals_) mesh_.normals.clear();
@@ -28,9 +28,9 @@ class Flattener {
   }
 
  private:
-  void add_mesh(const tinygltf::Mesh& mesh, const Imath::M44d& transform) {
-    for (const tinygltf::Primitive& primitive : mesh.primitives)
-      if (const auto part = read_primitive(model_, primitive)) add(*part, transform);
+  void add_mesh(std::size_t mesh, const Imath::M44d& transform) {
+    for (std::size_t i = 0; i < model_.meshes[mesh].primitives.size(); ++i)
+      if (const auto part = read_primitive(model_, mesh, i)) add(*part, transform);
   }
 
   void add(const TriangleMesh& part, const Imath::M44d& transform) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "renderer/math/affine.h"
 #include "renderer/mesh/gltf_material.h"
 #include "renderer/mesh/mesh_file.h"
 #include "renderer/mesh/model_readers.h"
@@ -55,14 +56,15 @@ class Importer {
     if (!added) return it->second;
     const tinygltf::Mesh& from = model_.meshes[static_cast<std::size_t>(mesh)];
     for (std::size_t i = 0; i < from.primitives.size(); ++i) {
-      auto part = read_primitive(model_, from.primitives[i]);
+      auto part = read_primitive(model_, static_cast<std::size_t>(mesh), i);
       if (!part || part->triangles.empty()) continue;
-      validate_mesh(*part, file_);
+      const std::string place = primitive_place(model_, static_cast<std::size_t>(mesh), i);
+      validate_mesh(*part, fmt::format("{}: {}", file_.string(), place));
       normalise_normals(*part);  // without normals there are facets, as the specification asks
       const int material = from.primitives[i].material;
       if (material >= static_cast<int>(model_.materials.size()))
-        throw GltfError(
-            fmt::format("a primitive names material {}, which does not exist", material));
+        throw GltfError(fmt::format("{} names material {}, which does not exist; there are {}",
+                                    place, material, model_.materials.size()));
       const auto index = static_cast<std::uint32_t>(
           material < 0 ? static_cast<int>(model_.materials.size()) : material);
       it->second.emplace_back(static_cast<std::uint32_t>(scene_.geometries.size()), index);
@@ -74,6 +76,10 @@ class Importer {
   }
 
   void add_instances(int mesh, const std::string& name, const Imath::M44d& m) {
+    if (!is_invertible(m)) {  // scaled to nothing: how files hide things
+      warn_(fmt::format("\"{}\" has a transform that flattens it; it is left out", name));
+      return;
+    }
     for (const auto& [geometry, material] : primitives_of(mesh)) {
       Instance instance;
       instance.name =
@@ -151,7 +157,11 @@ class Importer {
 Model read_gltf_model(const std::filesystem::path& file,
                       const std::function<void(const std::string&)>& warn) {
   try {
-    return Importer(parse_gltf(file), file, warn).import();
+    Model model = Importer(parse_gltf(file), file, warn).import();
+    for (Texture& t : model.scene.textures)  // for the message should it not be an image after all
+      if (auto* image = std::get_if<ImageTexture>(&t.kind))
+        image->description = file.string() + ": " + image->description;
+    return model;
   } catch (const MeshError&) {
     throw;
   } catch (const std::exception& e) {  // GltfError, or bad_alloc for absurd sizes

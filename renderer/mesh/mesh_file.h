@@ -25,8 +25,8 @@ const std::vector<std::string>& mesh_extensions();
 // validate_mesh. Throws MeshError.
 TriangleMesh load_mesh(const std::filesystem::path& file);
 
-// Throws MeshError that names `file`: no triangles, an index out of range, a number that is not
-// finite, or attribute arrays whose length differs from that of the positions.
-void validate_mesh(const TriangleMesh& mesh, const std::filesystem::path& file);
+// Throws MeshError that begins with `place`: no triangles, an index out of range, a number that is
+// not finite, or attribute arrays whose length differs from that of the positions.
+void validate_mesh(const TriangleMesh& mesh, const std::string& place);
 
 }  // namespace morsel::render

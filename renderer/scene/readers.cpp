@@ -70,6 +70,7 @@ RenderSettings read_settings(const json& object, const Place& place) {
                                                   : 1.5f;
   settings.texture_memory = static_cast<int>(reader.integer("texture_memory"));
   settings.cryptomatte = reader.boolean("cryptomatte");
+  settings.denoise = reader.boolean("denoise");
   settings.max_depth = static_cast<int>(reader.integer("max_depth"));
   settings.seed = static_cast<std::uint32_t>(reader.integer("seed"));
   settings.max_diffuse_depth = static_cast<int>(reader.integer("max_diffuse_depth"));

@@ -87,6 +87,8 @@ struct TriangleMesh {
   std::vector<Imath::V3f> positions;
   std::vector<Imath::V3f> normals;  // unit, per vertex; empty: geometric normals
   std::vector<Imath::V2f> uvs;      // per vertex; may be empty
+  std::vector<Imath::V2f> uvs1;     // a second set, for images that ask for it
+  std::vector<Imath::V3f> colors;   // per vertex; multiply the material's color; may be empty
   std::vector<Imath::V3i> triangles;
 };
 
@@ -211,6 +213,7 @@ struct RenderSettings {
   PixelFilter filter = PixelFilter::kBox;
   float filter_radius = 0.5f;  // pixels
   bool cryptomatte = false;
+  bool denoise = false;       // an image layer beside the rendered one, where the build can do it
   int texture_memory = 1024;  // MB that texture tiles may take
   int max_depth = 8;          // path vertices beyond the first hit
   // Bounces of a kind that a path may have.

@@ -28,6 +28,7 @@ struct ImageTexture {
   // moved.
   Imath::V2f scale{1.0f, 1.0f}, offset{0.0f, 0.0f};
   float rotation = 0.0f;
+  int uv_set = 0;       // of the mesh's texture coordinates, 0 or 1
   bool v_down = false;  // that happens with v counted from the top, as glTF has it
   bool triplanar = false;
   float triplanar_size = 1.0f;  // object-space length that one repetition covers
@@ -35,10 +36,10 @@ struct ImageTexture {
 
 enum class RampInput { kDensity, kNoise, kCurvature, kComponent, kHeight };
 
-// A colour by a number that a point has: of hypertexture the density D, the noise (what the
-// modulations add to D), the mean curvature of the surface (1 / length, positive where it bulges),
-// the component's number among all; of anything its height (object-space y). What lacks the number
-// gets that of `low`.
+// A colour by a number that a point has: of hypertexture the density D (under warps: where they
+// took the point), the noise (what the modulations add to D), the mean curvature of the surface (1
+// / length, positive where it bulges), the component's number among all; of anything its height
+// (object-space y). What lacks the number gets that of `low`.
 struct RampTexture {
   RampInput input = RampInput::kNoise;
   float low = 0.0f, high = 1.0f;  // become positions 0 and 1

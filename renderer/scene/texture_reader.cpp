@@ -39,6 +39,7 @@ ImageTexture read_image(const JsonReader& reader) {
   image.scale = pair(reader, "scale");
   image.offset = pair(reader, "offset");
   image.rotation = static_cast<float>(reader.number("rotation"));
+  image.uv_set = static_cast<int>(reader.integer("uv_set"));
   image.triplanar = reader.string("mapping") == "triplanar";
   image.triplanar_size = static_cast<float>(reader.number("size"));
   return image;

@@ -49,15 +49,4 @@ Imath::M44d read_transform(const nlohmann::json& rows, const params::Place& plac
   return m;
 }
 
-bool is_invertible(const Imath::M44d& transform) {
-  double product = 1;
-  Imath::V3d rows[3];
-  for (int i = 0; i < 3; ++i) {
-    rows[i] = Imath::V3d(transform[i][0], transform[i][1], transform[i][2]);
-    product *= rows[i].length();
-  }
-  const double determinant = rows[0].dot(rows[1].cross(rows[2]));
-  return std::isfinite(product) && product > 1e-200 && std::abs(determinant) > 1e-12 * product;
-}
-
 }  // namespace morsel::render

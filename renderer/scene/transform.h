@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hypertexture_geom/params/json_reader.h"
+#include "renderer/math/affine.h"
 
 namespace morsel::render {
 
@@ -19,8 +20,5 @@ Imath::M44d make_transform(const Imath::V3d& scale, const Imath::V3d& rotate_deg
 // (p' = M p, translation in the last column) and returns the matrix for row vectors. Throws
 // params::InputError for a last row other than 0 0 0 1, or a matrix without inverse.
 Imath::M44d read_transform(const nlohmann::json& rows, const params::Place& place);
-
-// Whether the linear part has an inverse that double precision can represent; relative to its size.
-bool is_invertible(const Imath::M44d& transform);
 
 }  // namespace morsel::render

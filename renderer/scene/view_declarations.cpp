@@ -130,6 +130,9 @@ const Declaration& render_declaration() {
         .max = 1 << 20},
        flag_parameter("cryptomatte", false,
                       "write Cryptomatte layers of objects, materials and components"),
+       flag_parameter("denoise", false,
+                      "write a denoised layer, and the preview of it, where Open Image Denoise was "
+                      "there when Morsel was built"),
        {.name = "max_depth",
         .type = Type::kInteger,
         .default_value = 8,

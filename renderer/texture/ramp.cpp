@@ -4,59 +4,28 @@
 #include "hypertexture_geom/embree/geometry.h"
 
 namespace morsel::render {
-namespace {
 
-// Mean of the two principal curvatures of the surface F = 0, whose outward normal is -grad F:
-// half the divergence of the normal.
-double mean_curvature(const geom::Field& field, const V3f& p) {
-  const topology::Jet jet = field.jet(V3d(p));
-  const V3d& g = jet.gradient;
-  const auto& h = jet.hessian;  // xx, yy, zz, xy, xz, yz
-  const double g2 = g.dot(g);
-  if (!(g2 > 0.0)) return 0.0;
-  const double trace = h[0] + h[1] + h[2];
-  const double along = g.x * g.x * h[0] + g.y * g.y * h[1] + g.z * g.z * h[2] +
-                       2.0 * (g.x * g.y * h[3] + g.x * g.z * h[4] + g.y * g.z * h[5]);
-  return -0.5 * (trace - along / g2) / std::sqrt(g2);
-}
-
-}  // namespace
-
-SolidInputs::SolidInputs(const Scene& scene) {
-  bool wanted = false;
-  for (const Texture& t : scene.textures)
-    wanted = wanted || std::holds_alternative<RampTexture>(t.kind);
-  if (!wanted) return;
-  for (std::size_t i = 0; i < scene.geometries.size(); ++i) {
-    const auto* shape =
-        std::get_if<std::shared_ptr<const geom::HypertextureGeometry>>(&scene.geometries[i].shape);
-    if (shape == nullptr || !*shape) continue;
-    Solid solid;
-    solid.field = &(*shape)->field();
-    nlohmann::json description = solid.field->canonical_json();
-    description["modulations"] = nlohmann::json::array();
-    solid.density = geom::field_from_json(description, {"density", ""});
-    solid.components = std::max<std::size_t>(1, (*shape)->cache().topology.components.size());
-    solids_[static_cast<std::uint32_t>(i)] = std::move(solid);
-  }
-}
-
-std::optional<float> SolidInputs::value(RampInput input, const SurfaceInteraction& hit) const {
+std::optional<float> ramp_input(const Scene& scene, RampInput input,
+                                const SurfaceInteraction& hit) {
   if (input == RampInput::kHeight) return hit.object_p.y;
-  const auto found = solids_.find(hit.geometry);
-  if (found == solids_.end()) return std::nullopt;
-  const Solid& solid = found->second;
-  const V3d p(hit.object_p);
+  const auto* shape = std::get_if<std::shared_ptr<const geom::HypertextureGeometry>>(
+      &scene.geometries[hit.geometry].shape);
+  if (shape == nullptr) return std::nullopt;
+  const geom::HypertextureGeometry& hypertexture = **shape;
+  if (input == RampInput::kComponent) {
+    if (hit.component == kNoIndex) return std::nullopt;
+    const std::size_t count = hypertexture.cache().topology.components.size();
+    return static_cast<float>(hit.component) / static_cast<float>(std::max<std::size_t>(1, count));
+  }
+  const geom::SurfaceDetail detail = hypertexture.detail(hit.primitive, V3d(hit.object_p));
   switch (input) {
     case RampInput::kDensity:
-      return static_cast<float>(solid.density->value(p));
+      return static_cast<float>(detail.density);
     case RampInput::kNoise:
-      return static_cast<float>(solid.field->value(p) - solid.density->value(p));
+      return static_cast<float>(detail.noise);
     case RampInput::kCurvature:
-      return static_cast<float>(mean_curvature(*solid.field, hit.object_p));
+      return static_cast<float>(detail.curvature.mean);
     case RampInput::kComponent:
-      if (hit.component == kNoIndex) return std::nullopt;
-      return static_cast<float>(hit.component) / static_cast<float>(solid.components);
     case RampInput::kHeight:
       break;
   }

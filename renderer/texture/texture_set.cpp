@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/texture/texture_set.h"
 
+#include "renderer/texture/ramp.h"
+
 namespace morsel::render {
 namespace {
 
@@ -24,10 +26,17 @@ V3f checker(const CheckerTexture& c, const V3f& p) {
   return std::fmod(sum, 2.0f) != 0.0f ? c.color_b : c.color_a;
 }
 
+// A small step from a hit, in object space.
+V3f to_object(const Scene& scene, const SurfaceInteraction& hit, const V3f& moved) {
+  if (moved == V3f(0.0f)) return moved;
+  V3d step;
+  scene.instances[hit.instance].object_to_world.inverse().multDirMatrix(V3d(moved), step);
+  return V3f(step);
+}
+
 }  // namespace
 
-TextureSet::TextureSet(const Scene& scene)
-    : scene_(scene), inputs_(scene), store_(scene.settings.texture_memory) {
+TextureSet::TextureSet(const Scene& scene) : scene_(scene), store_(scene.settings.texture_memory) {
   for (const Texture& t : scene.textures) {
     const auto* image = std::get_if<ImageTexture>(&t.kind);
     image_of_.push_back(image != nullptr ? store_.add(*image) : kNoIndex);
@@ -40,19 +49,24 @@ TextureSet::Value TextureSet::image(const ImageTexture& image, std::uint32_t ind
   const SurfaceInteraction& hit = point.hit;
   const std::uint32_t handle = image_of_[index];
   if (!image.triplanar) {
-    V2f uv = hit.uv, across(0.0f), along(0.0f);
-    if (point.frame.valid()) {
-      const auto to_uv = [&](const V3f& d) {
-        return V2f(dot(d, point.frame.u_gradient), dot(d, point.frame.v_gradient));
-      };
-      uv += to_uv(moved);
-      across = transformed(image, to_uv(point.footprint.across), true);
-      along = transformed(image, to_uv(point.footprint.along), true);
+    V2f uv = image.uv_set == 1 ? hit.uv1 : hit.uv, across(0.0f), along(0.0f);
+    const SurfaceFrame& frame = point.frame(image.uv_set);
+    const auto to_uv = [&](const V3f& d) {
+      return V2f(dot(d, frame.u_gradient), dot(d, frame.v_gradient));
+    };
+    if (frame.valid()) uv += to_uv(moved);
+    uv = transformed(image, uv, false);
+    if (handle == point.last_image_ && uv == point.last_uv_) return point.last_;
+    if (frame.valid()) {
+      across = transformed(image, to_uv(point.footprint().across), true);
+      along = transformed(image, to_uv(point.footprint().along), true);
     }
-    const auto v = store_.lookup(handle, transformed(image, uv, false), across, along);
-    return {v.color, v.alpha};
+    point.last_ = store_.lookup(handle, uv, across, along);
+    point.last_image_ = handle;
+    point.last_uv_ = uv;
+    return point.last_;
   }
-  const V3f p = (hit.object_p + moved * hit.object_scale) / image.triplanar_size;
+  const V3f p = (hit.object_p + to_object(scene_, hit, moved)) / image.triplanar_size;
   const V3f& n = hit.object_normal;
   V3f weight;
   for (int i = 0; i < 3; ++i) weight[i] = square(square(n[i]));
@@ -80,12 +94,17 @@ TextureSet::Value TextureSet::evaluate(const Texture& texture, std::uint32_t ind
   if (const auto* i = std::get_if<ImageTexture>(&texture.kind))
     return image(*i, index, point, moved);
   if (const auto* ramp = std::get_if<RampTexture>(&texture.kind)) {
-    const auto x = inputs_.value(ramp->input, point.hit);
+    const auto x = ramp_input(scene_, ramp->input, point.hit);
     return {ramp_color(*ramp, x.value_or(ramp->low)), 1.0f};
   }
   const auto& c = std::get<CheckerTexture>(texture.kind);
   const V3f p = c.solid ? point.hit.object_p : V3f(point.hit.uv.x, point.hit.uv.y, 0.0f);
   return {checker(c, p), 1.0f};
+}
+
+const SurfaceFrame& TextureSet::frame(std::uint32_t texture, const TexturePoint& point) const {
+  const auto* image = std::get_if<ImageTexture>(&scene_.textures[texture].kind);
+  return point.frame(image != nullptr ? image->uv_set : 0);
 }
 
 float TextureSet::channel_of(TextureChannel channel, const Value& v) {

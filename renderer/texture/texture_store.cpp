@@ -30,6 +30,12 @@ OIIO::TextureOpt::Wrap wrap_of(Wrap wrap) {
   return OIIO::TextureOpt::WrapPeriodic;
 }
 
+// Whether two textures are the same to the store: what they make of coordinates is not its concern.
+bool same_image(const ImageTexture& a, const ImageTexture& b) {
+  return a.file == b.file && a.data == b.data && a.color_space == b.color_space &&
+         a.wrap_u == b.wrap_u && a.wrap_v == b.wrap_v;
+}
+
 // The files that stand for a name with <UDIM>, by number.
 std::map<int, std::string> udim_tiles(const std::string& pattern) {
   namespace fs = std::filesystem;
@@ -65,6 +71,7 @@ struct TextureStore::Impl {
 
   OIIO::TextureSystem* system = OIIO::TextureSystem::create(false);
   std::vector<Image> images;
+  std::vector<ImageTexture> added;  // one of each kind, by number: see same_image
   std::vector<std::unique_ptr<ImageTexture>> sources;  // what the cache's configurations point to
 
   ~Impl() { OIIO::TextureSystem::destroy(system); }
@@ -96,6 +103,8 @@ TextureStore::~TextureStore() = default;
 std::size_t TextureStore::size() const { return impl_->images.size(); }
 
 std::uint32_t TextureStore::add(const ImageTexture& image) {
+  for (std::size_t i = 0; i < impl_->added.size(); ++i)
+    if (same_image(impl_->added[i], image)) return static_cast<std::uint32_t>(i);
   Impl::Image added;
   added.options.swrap = wrap_of(image.wrap_u);
   added.options.twrap = wrap_of(image.wrap_v);
@@ -115,6 +124,7 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
     std::tie(added.handle, added.channels) = impl_->open(image);
   }
   impl_->images.push_back(std::move(added));
+  impl_->added.push_back(image);
   return static_cast<std::uint32_t>(impl_->images.size() - 1);
 }
 

@@ -20,8 +20,8 @@ class TextureStore {
   TextureStore(const TextureStore&) = delete;
   TextureStore& operator=(const TextureStore&) = delete;
 
+  // The number of an image; the same one for the same file with the same colour space and wrapping.
   // Throws std::runtime_error naming the file when it cannot be read or a UDIM has no tiles.
-  // `image` must outlive this object.
   std::uint32_t add(const ImageTexture& image);
 
   struct Value {

@@ -180,6 +180,26 @@ TEST(Mesh, NumbersOfAnObjFileAreChecked) {
         << line;
 }
 
+TEST(Mesh, IndicesOfAnObjFileAreChecked) {
+  const TemporaryFolder folder;
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
+  for (const auto& [face, what] :
+       {std::pair{"f 1 2 5", "line 7: there is no vertex 5; the file has 4 before"},
+        {"f 1/1 2/2 3/1", "line 7: there is no texture coordinate 2; the file has 1 before"},
+        {"f 1//1 2//1 3//9", "line 7: there is no normal 9; the file has 1"},
+        {"f 1 2 -5", "line 7: there is no vertex -5; the file has 4 before this line"},
+        {"f 0 1 2", "line 7: \"0\": indices count from 1"},
+        {"f 1 2 three", "line 7: \"three\" is not a corner"},
+        {"f 1/1/1/1 2 3", "line 7: \"1/1/1/1\" has too many slashes"},
+        {"v 1 2", "line 7: v has 2 numbers, but needs 3"},
+        {"f 1 2 99999999999999999999", "is not a corner"}})
+    expect_error(folder.write("bad.obj", square + face + "\nf 1 2 3\n"), what);
+  // Backwards, and with continued lines.
+  for (const char* face : {"f -4 -3 -2", "f 1 \\\n2 3"})
+    EXPECT_EQ(load_mesh(folder.write("good.obj", square + face + "\n")).triangles.size(), 1u)
+        << face;
+}
+
 TEST(Mesh, ValidationFindsWhatReadersLeave) {
   TriangleMesh mesh;
   EXPECT_THROW(validate_mesh(mesh, "f"), MeshError);
@@ -282,7 +302,8 @@ TEST(Gltf, TextureCoordinatesPointUp) {
 
 TEST(Gltf, HostileFilesAreErrors) {
   const TemporaryFolder folder;
-  const auto expect_refused = [&](const char* part, const std::function<void(GltfFile&)>& spoil) {
+  const auto expect_refused = [&](const std::string& part,
+                                  const std::function<void(GltfFile&)>& spoil) {
     GltfFile file;
     file.add_square();
     spoil(file);
@@ -308,7 +329,41 @@ TEST(Gltf, HostileFilesAreErrors) {
   expect_refused("KHR_draco", [](GltfFile& f) {
     f.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
   });
-  expect_refused("an index is 4", [](GltfFile& f) {
+  for (const char* name : {"EXT_meshopt_compression", "KHR_texture_basisu", "NO_such"})
+    expect_refused("requires the extension " + std::string(name),
+                   [&](GltfFile& f) { f.json["extensionsRequired"] = {name}; });
+  expect_refused("mesh 0, primitive 0: is compressed by KHR_draco", [](GltfFile& f) {
+    f.primitive()["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}};
+    f.json["accessors"][0].erase("bufferView");
+  });
+  expect_refused("accessor 0 has 4000000000 elements and no bufferView", [](GltfFile& f) {
+    f.json["accessors"][0].erase("bufferView");
+    f.json["accessors"][0]["count"] = 4000000000ll;
+  });
+  expect_refused("node 0 has a matrix whose last row", [](GltfFile& f) {
+    f.json["nodes"][0]["matrix"] = {1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  });
+  expect_refused("4 NORMAL, but 3 POSITION", [](GltfFile& f) {
+    f.primitive()["attributes"]["NORMAL"] = f.primitive()["attributes"]["POSITION"];
+    f.primitive()["attributes"]["POSITION"] =
+        f.add_accessor<float>({0, 0, 0, 1, 0, 0, 1, 1, 0}, GltfFile::kFloat, "VEC3", 3);
+  });
+  expect_refused("accessor 0 must be a vector of 3 numbers",
+                 [](GltfFile& f) { f.json["accessors"][0]["type"] = "VEC2"; });
+  expect_refused("mode 9", [](GltfFile& f) { f.primitive()["mode"] = 9; });
+  expect_refused("nested deeper", [](GltfFile& f) {
+    nlohmann::json deep = 1;
+    for (int i = 0; i < 300; ++i) deep = nlohmann::json::array({deep});
+    f.json["extras"] = deep;
+  });
+  // What is of the wrong type.
+  expect_refused("", [](GltfFile& f) { f.json["accessors"][0]["count"] = "four"; });
+  expect_refused("", [](GltfFile& f) { f.json["accessors"] = 7; });
+  expect_refused("", [](GltfFile& f) { f.json["meshes"] = {{"primitives", 3}}; });
+  expect_refused("", [](GltfFile& f) { f.json["nodes"] = "none"; });
+  expect_refused("", [](GltfFile& f) { f.json["scenes"][0]["nodes"] = {"zero"}; });
+  expect_refused("", [](GltfFile& f) { f.json["scene"] = 5; });
+  expect_refused("mesh 0, primitive 0: index 2 is 4, but there are 4 vertices", [](GltfFile& f) {
     f.primitive()["indices"] =
         f.add_accessor<std::uint16_t>({0, 1, 4}, GltfFile::kShort, "SCALAR", 1);
   });
@@ -317,6 +372,78 @@ TEST(Gltf, HostileFilesAreErrors) {
     f.primitive()["attributes"]["POSITION"] =
         f.add_accessor<float>({0, 0, 0, 1, nan, 0, 1, 1, 0, 0, 1, 0}, GltfFile::kFloat, "VEC3", 3);
   });
+}
+
+TEST(Gltf, FilesCutShortAreErrors) {
+  const TemporaryFolder folder;
+  GltfFile file;
+  file.add_square();
+  const auto gltf = file.write_gltf(folder);
+  const auto bin = folder.path() / "mesh.bin";
+  std::filesystem::resize_file(bin, std::filesystem::file_size(bin) - 3);
+  expect_error(gltf, "mesh.bin");
+  std::filesystem::remove(bin);
+  expect_error(gltf, "mesh.bin");
+  for (std::uintmax_t bytes : {4, 12, 19, 20, 60, 200}) {
+    const auto glb = file.write_glb(folder);
+    ASSERT_GT(std::filesystem::file_size(glb), bytes);
+    std::filesystem::resize_file(glb, bytes);
+    expect_error(glb, "");
+  }
+  const auto glb = file.write_glb(folder);
+  std::filesystem::resize_file(glb, std::filesystem::file_size(glb) - 4);
+  expect_error(glb, "");
+}
+
+TEST(Gltf, ReadsSparseAccessors) {
+  const TemporaryFolder folder;
+  GltfFile file;
+  file.add_square();
+  const int places = file.add_accessor<std::uint16_t>({1, 2}, GltfFile::kShort, "SCALAR", 1);
+  const int values = file.add_accessor<float>({5, 0, 0, 5, 6, 0}, GltfFile::kFloat, "VEC3", 3);
+  auto& accessors = file.json["accessors"];
+  const auto sparse = [&](int count) {
+    return nlohmann::json{
+        {"count", count},
+        {"indices",
+         {{"bufferView", accessors[static_cast<std::size_t>(places)]["bufferView"]},
+          {"componentType", GltfFile::kShort}}},
+        {"values", {{"bufferView", accessors[static_cast<std::size_t>(values)]["bufferView"]}}}};
+  };
+  accessors[0]["sparse"] = sparse(2);
+  TriangleMesh mesh = load_mesh(file.write_gltf(folder));
+  EXPECT_EQ(mesh.positions[0], V3f(0, 0, 0));
+  EXPECT_EQ(mesh.positions[1], V3f(5, 0, 0));
+  EXPECT_EQ(mesh.positions[2], V3f(5, 6, 0));
+  EXPECT_EQ(mesh.positions[3], V3f(0, 1, 0));
+  // Zeros where there is nothing else.
+  const nlohmann::json view = accessors[0]["bufferView"];
+  accessors[0].erase("bufferView");
+  mesh = load_mesh(file.write_gltf(folder));
+  EXPECT_EQ(mesh.positions[3], V3f(0, 0, 0));
+  EXPECT_EQ(mesh.positions[2], V3f(5, 6, 0));
+  accessors[0]["bufferView"] = view;
+  accessors[0]["sparse"] = sparse(3);
+  expect_error(file.write_gltf(folder), "mesh 0, primitive 0: accessor 0, sparse indices,");
+  accessors[0]["sparse"] = sparse(2);
+  accessors[0]["count"] = 2;
+  expect_error(file.write_gltf(folder), "sparse index 1 is 2");
+}
+
+TEST(Gltf, ReadsQuantizedPositions) {
+  const TemporaryFolder folder;
+  GltfFile file;
+  file.add_square();
+  file.json["extensionsRequired"] = file.json["extensionsUsed"] = {"KHR_mesh_quantization"};
+  file.primitive()["attributes"]["POSITION"] = file.add_accessor<std::int16_t>(
+      {0, 0, 0, 32767, 0, 0, 32767, -32767, 0, 0, 16384, 0}, 5122, "VEC3", 3);
+  file.json["accessors"].back()["normalized"] = true;
+  TriangleMesh mesh = load_mesh(file.write_gltf(folder));
+  EXPECT_EQ(mesh.positions[2], V3f(1, -1, 0));
+  EXPECT_NEAR(mesh.positions[3].y, 0.5f, 1e-4f);
+  file.json["accessors"].back()["normalized"] = false;
+  mesh = load_mesh(file.write_gltf(folder));
+  EXPECT_EQ(mesh.positions[2], V3f(32767, -32767, 0));
 }
 
 TEST(Gltf, MissingTexturesAreNoObstacle) {

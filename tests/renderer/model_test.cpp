@@ -227,7 +227,7 @@ TEST_F(ModelTest, PlacementMovesEverythingAndKeepsIndicesRight) {
   Scene scene;
   for (int k = 0; k < 2; ++k) {
     ModelPlacement placement;
-    placement.name = k == 0 ? "m0" : "m1";
+    placement.name = std::string("m") + std::to_string(k);
     placement.transform.setTranslation(Imath::V3d(k, 0, 0));
     add_model(load(path), placement, scene);
   }
@@ -237,6 +237,71 @@ TEST_F(ModelTest, PlacementMovesEverythingAndKeepsIndicesRight) {
   EXPECT_EQ(scene.materials[2].texture(MaterialInput::kColor), 1u);
   EXPECT_EQ(Imath::V3d(0.0) * scene.instances[1].object_to_world, Imath::V3d(1, 0, 0));
   EXPECT_EQ(scene.instances[0].name.rfind("m0/", 0), 0u);
+}
+
+TEST_F(ModelTest, SecondCoordinatesAndColors) {
+  test::GltfFile file = textured({{"pbrMetallicRoughness",
+                                   {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}},
+                                    {"metallicRoughnessTexture", {{"index", 0}}}}}});
+  auto& attributes = file.primitive()["attributes"];
+  attributes["TEXCOORD_0"] =
+      file.add_accessor<float>({0, 0, 1, 0, 1, 1, 0, 1}, test::GltfFile::kFloat, "VEC2", 2);
+  attributes["TEXCOORD_1"] = file.add_accessor<std::uint16_t>(
+      {0, 0, 65535, 0, 65535, 65535, 0, 65535}, test::GltfFile::kShort, "VEC2", 2);
+  file.json["accessors"].back()["normalized"] = true;
+  attributes["COLOR_0"] = file.add_accessor<std::uint8_t>(
+      {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 51, 51, 51, 255}, test::GltfFile::kByte,
+      "VEC4", 4);
+  file.json["accessors"].back()["normalized"] = true;
+  const Model model = load(file.write_gltf(folder_));
+  const auto& mesh = std::get<TriangleMesh>(model.scene.geometries.at(0).shape);
+  ASSERT_EQ(mesh.uvs1.size(), 4u);
+  EXPECT_EQ(mesh.uvs1[2], V2f(1, 0));
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  EXPECT_EQ(mesh.colors[1], V3f(0, 1, 0));
+  EXPECT_NEAR(mesh.colors[3].x, 0.2f, 1e-6f);
+  textures_ = model.scene.textures;
+  const Material& m = model.scene.materials[0];
+  const auto& color = std::get<ImageTexture>(texture(m, MaterialInput::kColor).kind);
+  const auto& roughness = std::get<ImageTexture>(texture(m, MaterialInput::kRoughness).kind);
+  EXPECT_EQ(color.uv_set, 1);
+  EXPECT_EQ(roughness.uv_set, 0);
+  EXPECT_EQ(color.data, roughness.data) << "the bytes are kept once";
+  EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(ModelTest, WarnsOfWhatItLeavesOut) {
+  const auto warned = [&](const std::string& part) {
+    for (const std::string& w : warnings_)
+      if (w.find(part) != std::string::npos) return true;
+    return false;
+  };
+  test::GltfFile file = textured({{"name", "soap"},
+                                  {"normalTexture", {{"index", 0}}},
+                                  {"extensions", {{"KHR_materials_iridescence", json::object()}}}});
+  file.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}};
+  file.json["nodes"].push_back({{"name", "hidden"}, {"mesh", 0}, {"scale", {0, 0, 0}}});
+  file.json["scenes"][0]["nodes"].push_back(1);
+  file.json["animations"] = {{{"channels", json::array()}, {"samplers", json::array()}}};
+  const Model model = load(file.write_gltf(folder_));
+  EXPECT_EQ(model.scene.instances.size(), 1u);
+  EXPECT_TRUE(warned("\"soap\": the extension KHR_materials_iridescence"));
+  EXPECT_TRUE(warned("texture 0 of material \"soap\""));
+  EXPECT_TRUE(warned("KHR_texture_basisu"));
+  EXPECT_TRUE(warned("\"hidden\""));
+  EXPECT_TRUE(warned("animations"));
+  warnings_.clear();
+  const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  folder_.write("some.mtl", "newmtl red\nKd 1 0 0\n");
+  load(folder_.write("a.obj",
+                     std::string("mtllib some.mtl\n") + triangle + "usemtl blue\nf 1 2 3\n"));
+  EXPECT_TRUE(warned("usemtl blue")) << "no such material";
+  load(folder_.write("b.obj", std::string("mtllib other.mtl\n") + triangle + "f 1 2 3\n"));
+  EXPECT_TRUE(warned("mtllib other.mtl"));
+  warnings_.clear();
+  load(folder_.write("c.obj",
+                     std::string("mtllib some.mtl\n") + triangle + "usemtl red\nf 1 2 3\n"));
+  EXPECT_TRUE(warnings_.empty());
 }
 
 // Real files, where Debian's package assimp-testmodels is installed.
@@ -271,7 +336,7 @@ TEST_F(RealModels, AreRead) {
 
 TEST_F(RealModels, ThatAreBrokenSayHow) {
   for (const auto& [name, what] : std::map<std::string, std::string>{
-           {"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", "an index is 255"},
+           {"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", "index 0 is 255"},
            {"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
            {"glTF2/RecursiveNodes/RecursiveNodes.gltf", "node 0 is reached twice"},
            {"glTF2/wrongTypes/badArray.gltf", "no triangles"},

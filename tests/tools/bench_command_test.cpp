@@ -42,9 +42,31 @@ TEST_F(BenchCommandTest, HasTheKeysThatOthersRelyOn) {
   EXPECT_GE(info["renderer"]["rays"], 32 * 24 * 2);
   EXPECT_GT(info["renderer_efficiency"], 0.0);
   // A solver that evaluates nothing would not be one.
-  ASSERT_FALSE(info["evaluations_per_ray"].empty());
+  for (const char* solver : {"sphere", "segment", "model"})
+    ASSERT_TRUE(info["evaluations_per_ray"].contains(solver)) << solver;
+  EXPECT_GT(info["evaluations_per_ray"]["sphere"], info["evaluations_per_ray"]["model"]);
   for (const auto& [solver, count] : info["evaluations_per_ray"].items())
     EXPECT_GT(count, 0.0) << solver;
+}
+
+TEST_F(BenchCommandTest, AMeshSceneHasItsRenderMeasured) {
+  const std::string scene = folder_
+                                .write("meshes.json",
+                                       R"({"morsel": 1, "camera": {"position": [0, 1, 4]},
+                     "render": {"resolution": [64, 48]},
+                     "materials": [{"name": "m", "type": "diffuse"}],
+                     "geometries": [{"name": "ball", "type": "sphere", "radius": 1}],
+                     "instances": [{"name": "ball", "geometry": "ball", "material": "m"}],
+                     "lights": [{"type": "environment"}]})")
+                                .string();
+  const CommandResult result = run_morsel({"bench", scene, "--repetitions", "1", "--render-width",
+                                           "32", "--render-spp", "2", "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json info = json::parse(result.out);
+  EXPECT_FALSE(info.contains("vs_mesh"));
+  EXPECT_GE(info["renderer"]["rays"], 32 * 24 * 2);
+  EXPECT_GT(info["renderer_efficiency"], 0.0);
+  EXPECT_EQ(run_morsel({"bench", scene, "--geometry", "ball"}).code, 2);
 }
 
 TEST_F(BenchCommandTest, NothingToMeasureIsAnError) {

@@ -30,7 +30,10 @@ needs_configuring() {
       "$BUILD_DIR/CMakeCache.txt"
 }
 
+# configure_and_build [TARGET]...: everything when no target is named.
 configure_and_build() {
+  local targets=()
+  if (($# > 0)); then targets=(--target "$@"); fi
   begin_step "Configure"
   if needs_configuring; then
     local settings=()
@@ -45,6 +48,6 @@ configure_and_build() {
   fi
 
   begin_step "Build"
-  cmake --build --preset release --parallel "$(build_jobs)"
+  cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
   end_step
 }
