@@ -89,8 +89,7 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   if (c.height <= options_.block_levels) {
     fill(place, *own, part);
     if (part.bricks.empty()) return part;
-    auto compiled = std::make_unique<CompiledField<double>>(*own, box);
-    part.blocks.push_back({std::move(own), std::move(compiled)});
+    part.blocks.push_back(std::make_unique<CompiledField<double>>(*own, box));
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;
