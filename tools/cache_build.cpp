@@ -172,6 +172,22 @@ class Builder {
                              components, components == 1 ? "" : "s",
                              cache.topology.certified ? "certified" : "NOT certified",
                              describe_audit(cache), cache.seconds);
+    const nlohmann::json description = topology::describe(cache, hypertexture.keep);
+    if (const nlohmann::json& morse = description["morse"]; morse.is_object()) {
+      const nlohmann::json& points = description["critical_points"];
+      std::cout << fmt::format(
+          "  critical points: {} maxima, {} 2-saddles, {} 1-saddles, {} minima, {} degenerate; {} "
+          "boxes tested, {} undecided; {} ascents lost; {:.2f} s, separatrices {:.2f} s{}\n",
+          points["maxima"].dump(), points["saddles2"].dump(), points["saddles1"].dump(),
+          points["minima"].dump(), points["degenerate"].dump(), morse["boxes"].dump(),
+          morse["unresolved_boxes"].dump(), morse["lost_ascents"].size(),
+          morse["seconds_critical_points"].get<double>(),
+          morse["seconds_separatrices"].get<double>(), describe_audit_time(morse["audit"]));
+    }
+  }
+
+  static std::string describe_audit_time(const nlohmann::json& audit) {
+    return audit.is_object() ? fmt::format(", audit {:.2f} s", audit.value("seconds", 0.0)) : "";
   }
 
   void check_audit(const std::string& geometry, const fs::path& file,

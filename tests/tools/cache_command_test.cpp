@@ -132,6 +132,12 @@ TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
   EXPECT_NE(by_octree(cache_).out.find("up to date"), std::string::npos);
   const CommandResult less = by_octree(small);
   EXPECT_NE(less.out.find("Euler characteristics by octree,"), std::string::npos) << less.out;
+  // The row of the paper's table 1.
+  EXPECT_NE(less.out.find(fmt::format("critical points: {} maxima, {} 2-saddles, ",
+                                      both["critical_points"]["maxima"].get<int>(),
+                                      both["critical_points"]["saddles2"].get<int>())),
+            std::string::npos)
+      << less.out;
   const CommandResult more = build({"--engine", "both", "-o", small});
   EXPECT_NE(more.out.find("audited without the mesh"), std::string::npos) << more.out;
   EXPECT_NE(more.out.find("by octree and mesh"), std::string::npos) << more.out;
