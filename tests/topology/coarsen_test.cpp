@@ -79,7 +79,8 @@ TEST(Coarsen, IsSmaller) {
   const std::vector<bool> all(t.components.size(), true), none(t.components.size(), false);
   const std::vector<bool> main = kept_components(KeepRule(), t.components, t.octree());
   const std::uint64_t whole = leaves_of(t.nodes);
-  EXPECT_EQ(leaves_of(coarsened(t.nodes, all, 0)), whole);
+  // Dividing undecided faces leaves some cells whose eight parts are alike.
+  EXPECT_LE(leaves_of(coarsened(t.nodes, all, 0)), whole);
   EXPECT_LT(leaves_of(coarsened(t.nodes, main, 0)), whole);
   EXPECT_LT(leaves_of(coarsened(t.nodes, main, 2)), whole / 4);
   EXPECT_EQ(leaves_of(coarsened(t.nodes, none, 2)), 1u);
