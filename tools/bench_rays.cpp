@@ -38,6 +38,7 @@ bool trace_one(RTCScene scene, const RaySet& set, const BenchRay& ray, float& t)
 RayCost operator+(RayCost a, const RayCost& b) {
   a.rays += b.rays;
   a.hits += b.hits;
+  a.bricks += b.bricks;
   a.evaluations += b.evaluations;
   return a;
 }
@@ -58,14 +59,15 @@ RayCost trace(RTCScene scene, const RaySet& set, std::vector<float>* t) {
       tbb::blocked_range<std::size_t>(0, set.rays.size(), kGrain), RayCost{},
       [&](const tbb::blocked_range<std::size_t>& range, RayCost c) {
         const render::FlushDenormals flush;
-        const std::uint64_t before = geom::ray_statistics().evaluations;
+        const geom::RayStatistics before = geom::ray_statistics();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           float at = 0.0f;
           if (trace_one(scene, set, set.rays[i], at)) ++c.hits;
           if (t != nullptr) (*t)[i] = at;
         }
         c.rays += range.size();
-        c.evaluations += geom::ray_statistics().evaluations - before;
+        c.bricks += geom::ray_statistics().bricks - before.bricks;
+        c.evaluations += geom::ray_statistics().evaluations - before.evaluations;
         return c;
       },
       [](const RayCost& a, const RayCost& b) { return a + b; });

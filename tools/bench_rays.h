@@ -30,6 +30,7 @@ struct RaySet {
 // What tracing a set of rays took.
 struct RayCost {
   std::uint64_t rays = 0, hits = 0;
+  std::uint64_t bricks = 0;       // primitives of user geometry that were tested
   std::uint64_t evaluations = 0;  // of the field
   double seconds = 0.0;           // processor time
 

@@ -11,7 +11,7 @@ namespace morsel::tools {
 
 struct VsMeshOptions {
   double error = 1e-4;  // of the mesh, as a share of the diagonal of what is kept
-  int side = 512;       // of the image whose primary rays are traced
+  int side = 1024;      // of the image whose primary rays are traced
   int repetitions = 5;  // of each measurement, the two surfaces in turn
 };
 

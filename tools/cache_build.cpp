@@ -31,8 +31,16 @@ struct Options {
   int max_depth = 0;  // 0: as the scene says
   std::string engine = "certified";
   double perturbation = 0.0;
+  std::string euler = "mesh";
   double max_memory = 0.0;  // GiB; 0: no limit
 };
+
+// What the engines' audit said, or null when there was none.
+nlohmann::json audit_of(const topology::TopologyCache& cache) {
+  const nlohmann::json meta = topology::morse_meta(cache.sections, "topology cache");
+  if (!meta.is_object() || !meta.contains("audit") || !meta["audit"].is_object()) return {};
+  return meta["audit"];
+}
 
 // Why the cache has to be built; empty when the one that is there is current.
 // A file that is no cache at all is replaced only at a name of our own making.
@@ -48,15 +56,22 @@ std::string reason_to_build(const render::CacheInspection& found, bool own_name,
       if (own_name || force) return "damaged";
       throw std::runtime_error(found.problem + " (use --force to replace the file)");
     case CacheState::kCurrent: {
-      // Certified labels are good for whoever asks for no more than them.
       const std::string& has = found.cache->topology.engine;
-      if (has != to_string(engine) &&
-          !(engine == topology::Engine::kCertified && has == to_string(topology::Engine::kBoth)))
-        return fmt::format("made by the engine \"{}\"", has);
+      const bool by_morse = has == to_string(topology::Engine::kMorse);
+      const bool audited = !audit_of(*found.cache).is_null();
+      // Certified labels are good for whoever asks for no more than them; an audit that could not
+      // be made would not be another time.
+      const bool serves = engine == topology::Engine::kCertified ? !by_morse
+                          : engine == topology::Engine::kMorse   ? by_morse
+                                                                 : audited;
+      if (!serves) return fmt::format("made by the engine \"{}\"", has);
       if (engine == topology::Engine::kCertified) break;
       const nlohmann::json meta = topology::morse_meta(found.cache->sections, "topology cache");
       if (const double had = meta.value("perturbation", 0.0); had != wanted.perturbation)
         return fmt::format("made with the perturbation {}", had);
+      if (engine == topology::Engine::kBoth && wanted.audit.mesh &&
+          !audit_of(*found.cache).value("mesh_asked", false))
+        return "audited without the mesh";
       break;
     }
   }
@@ -72,6 +87,7 @@ class Builder {
         document_(options.scene.scene, overrides()),
         engine_(topology::engine_named(options.engine)) {
     engine_.perturbation = options.perturbation;
+    engine_.audit.mesh = options.euler == "mesh";
   }
 
   int run() {
@@ -86,6 +102,8 @@ class Builder {
       build(hypertexture);
     }
     if (options_.json) std::cout << results_.dump(2) << '\n';
+    // The caches hold certified labels, but that was not all that was asked for.
+    if (!not_compared_.empty()) throw std::runtime_error(not_compared_);
     return kDone;
   }
 
@@ -124,8 +142,14 @@ class Builder {
       execution.progress = [&](double fraction, const char* phase) {
         reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
       };
-      found.cache = render::build_and_write(hypertexture, file, execution, engine_);
+      try {
+        found.cache = render::build_and_write(hypertexture, file, execution, engine_);
+      } catch (const topology::EnginesDisagree& e) {
+        throw topology::EnginesDisagree(fmt::format("{}: {}", hypertexture.name, e.what()));
+      }
     }
+    if (engine_.engine == topology::Engine::kBoth)
+      check_audit(hypertexture.name, file, *found.cache);
     report(hypertexture, file, reason, *found.cache);
   }
 
@@ -148,15 +172,43 @@ class Builder {
                              components, components == 1 ? "" : "s",
                              cache.topology.certified ? "certified" : "NOT certified",
                              describe_audit(cache), cache.seconds);
+    const nlohmann::json description = topology::describe(cache, hypertexture.keep);
+    if (const nlohmann::json& morse = description["morse"]; morse.is_object()) {
+      const nlohmann::json& points = description["critical_points"];
+      std::cout << fmt::format(
+          "  critical points: {} maxima, {} 2-saddles, {} 1-saddles, {} minima, {} degenerate; {} "
+          "boxes tested, {} undecided; {} ascents lost; {:.2f} s, separatrices {:.2f} s{}\n",
+          points["maxima"].dump(), points["saddles2"].dump(), points["saddles1"].dump(),
+          points["minima"].dump(), points["degenerate"].dump(), morse["boxes"].dump(),
+          morse["unresolved_boxes"].dump(), morse["lost_ascents"].size(),
+          morse["seconds_critical_points"].get<double>(),
+          morse["seconds_separatrices"].get<double>(), describe_audit_time(morse["audit"]));
+    }
   }
 
-  std::string describe_audit(const topology::TopologyCache& cache) {
-    const nlohmann::json meta = topology::morse_meta(cache.sections, "topology cache");
-    if (!meta.is_object() || !meta.at("audit").is_object()) return "";
-    if (meta.at("audit").at("agreed")) return ", engines agree";
-    for (const auto& reason : meta.at("audit").at("reasons"))
-      reporter_.warn(fmt::format("no audit: {}", reason.get<std::string>()));
-    return ", engines NOT compared";
+  static std::string describe_audit_time(const nlohmann::json& audit) {
+    return audit.is_object() ? fmt::format(", audit {:.2f} s", audit.value("seconds", 0.0)) : "";
+  }
+
+  void check_audit(const std::string& geometry, const fs::path& file,
+                   const topology::TopologyCache& cache) {
+    const nlohmann::json audit = audit_of(cache);
+    if (audit.value("agreed", false)) return;
+    not_compared_ += fmt::format(
+        "{}{}: the engines could not be compared; {} holds certified labels, and critical points "
+        "without an audit:",
+        not_compared_.empty() ? "" : "\n", geometry, file.string());
+    for (const auto& reason : audit.value("reasons", nlohmann::json::array()))
+      not_compared_ += fmt::format("\n  {}", reason.get<std::string>());
+  }
+
+  static std::string describe_audit(const topology::TopologyCache& cache) {
+    const nlohmann::json audit = audit_of(cache);
+    if (audit.is_null()) return "";
+    if (!audit.value("agreed", false)) return ", engines NOT compared";
+    const bool mesh = audit.value("euler_compared_with", nlohmann::json::array()).size() > 1;
+    return fmt::format(", engines agree, Euler characteristics by octree{}",
+                       mesh ? " and mesh" : "");
   }
 
   const Options& options_;
@@ -165,7 +217,24 @@ class Builder {
   render::SceneDocument document_;
   topology::EngineOptions engine_;
   nlohmann::json results_ = nlohmann::json::array();
+  std::string not_compared_;  // what to fail with in the end
 };
+
+// Names of comparators lead to where they are; anything else gets the choices.
+std::string check_engine(const std::string& name) {
+  if (name == "voxel" || name == "mesh")
+    return fmt::format(
+        "the engine \"{}\" counts regions of a grid, not certified, and labels nothing that a "
+        "cache "
+        "could hold; count with `morsel cache compare SCENE --engine {} --resolution N`",
+        name, name);
+  try {
+    topology::engine_named(name);
+    return "";
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+}
 
 }  // namespace
 
@@ -186,8 +255,10 @@ void add_cache_build(CLI::App& parent, Session& session) {
       ->add_option(
           "--engine", options->engine,
           "certified: the octree; morse: critical points and separatrices; both: certified "
-          "labels, critical points beside them, and an audit of one by the other")
-      ->check(CLI::IsMember({"certified", "morse", "both"}))
+          "labels, critical points beside them, and an audit of one by the other, which fails when "
+          "they disagree or cannot be compared")
+      ->check(CLI::Validator([](std::string& name) { return check_engine(name); },
+                             "{certified,morse,both}"))
       ->capture_default_str();
   command
       ->add_option(
@@ -195,6 +266,14 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "morse, both: look for critical points of the field plus a linear term that is at "
           "most this on the box, for fields whose critical points are not isolated")
       ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option(
+          "--audit-euler", options->euler,
+          "both: compare the Euler characteristics of the critical points with those of the "
+          "octree's cells alone, or also with those of the certified mesh, which takes several "
+          "times as long")
+      ->check(CLI::IsMember({"octree", "mesh"}))
+      ->capture_default_str();
   command
       ->add_option(
           "--max-memory", options->max_memory,

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "renderer/scene/scene_json.h"
 #include "tools/commands.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
+#include "topology/bound_solid.h"
 #include "topology/morse/morse_complex.h"
 #include "topology/morse/region_growing.h"
 
@@ -43,6 +45,13 @@ class Comparison {
     const render::GeometryEntry entry = render::find_hypertexture(document, options_.geometry);
     const geom::Hypertexture rock = render::read_hypertexture(document, entry);
     const topology::Box box = topology::dyadic_box(rock.certify.box);
+    cut_ = topology::place_where_cut(*rock.field, box);
+    if (cut_)
+      reporter_.warn(
+          fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, "
+                      "{:.4g}) and is cut "
+                      "there; pieces that have no maximum inside are not among the Morse engine's",
+                      rock.name, cut_->x, cut_->y, cut_->z));
     if (!options_.json)
       std::cout << fmt::format("{:<10} {:>10} {:>12} {:>10}  {}\n", "engine", "resolution",
                                "components", "seconds", "certified");
@@ -83,16 +92,20 @@ class Comparison {
     options.box = box;
     const topology::MorseComplex c = topology::morse_complex(*rock.field, options, execution_);
     print("morse", 0, c.sets.size(), c.seconds_points + c.seconds_separatrices,
-          c.resolved() ? "critical points, not separatrices" : "no: some are unresolved");
-    results_.push_back({{"engine", "morse"},
-                        {"components", c.sets.size()},
-                        {"certified", false},
-                        {"maxima", c.count(topology::CriticalType::kMaximum)},
-                        {"saddles2", c.count(topology::CriticalType::kSaddle2)},
-                        {"boxes", c.boxes},
-                        {"lost_ascents", c.lost.size()},
-                        {"unresolved_boxes", c.unresolved_boxes},
-                        {"seconds", c.seconds_points + c.seconds_separatrices}});
+          cut_           ? "no: the box cuts the solid"
+          : c.resolved() ? "critical points, not separatrices"
+                         : "no: some are unresolved");
+    results_.push_back(
+        {{"engine", "morse"},
+         {"components", c.sets.size()},
+         {"certified", false},
+         {"maxima", c.count(topology::CriticalType::kMaximum)},
+         {"saddles2", c.count(topology::CriticalType::kSaddle2)},
+         {"boxes", c.boxes},
+         {"touches_box", cut_ ? nlohmann::json{cut_->x, cut_->y, cut_->z} : nlohmann::json()},
+         {"lost_ascents", c.lost.size()},
+         {"unresolved_boxes", c.unresolved_boxes},
+         {"seconds", c.seconds_points + c.seconds_separatrices}});
   }
 
   void row(const std::string& engine, int n, const RegionCount& count) {
@@ -118,6 +131,7 @@ class Comparison {
   Reporter reporter_;
   topology::Execution execution_;
   std::string current_;
+  std::optional<Imath::V3d> cut_;  // where the box cuts the solid
   nlohmann::json results_ = nlohmann::json::array();
 };
 

@@ -46,11 +46,13 @@ Box sampled_solid(const ScalarField& field, const Box& region, int blocks) {
   return all;
 }
 
-// True when F < 0 is proved on all of a face (a box without extent along `axis`).
-bool proved_empty(const ScalarField& field, const Box& face, int axis, int depth) {
+// A place on a face (a box without extent along `axis`) where F < 0 is not proved; empty when it is
+// proved on all of it.
+std::optional<Imath::V3d> not_proved_empty(const ScalarField& field, const Box& face, int axis,
+                                           int depth) {
   const Interval range = field.model(face).range();
-  if (range.hi < 0.0) return true;
-  if (range.lo >= 0.0 || depth == kFaceDepth) return false;
+  if (range.hi < 0.0) return std::nullopt;
+  if (range.lo >= 0.0 || depth == kFaceDepth) return centre(face);
   const std::unique_ptr<ScalarField> local = field.restricted_to(face);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const Imath::V3d middle = centre(face);
@@ -58,9 +60,16 @@ bool proved_empty(const ScalarField& field, const Box& face, int axis, int depth
     Box quarter = face;
     ((i & 1) ? quarter.min : quarter.max)[u] = middle[u];
     ((i & 2) ? quarter.min : quarter.max)[v] = middle[v];
-    if (!proved_empty(*local, quarter, axis, depth + 1)) return false;
+    if (const auto place = not_proved_empty(*local, quarter, axis, depth + 1)) return place;
   }
-  return true;
+  return std::nullopt;
+}
+
+// The face towards `axis`, upper or lower.
+Box face_of(const Box& box, int axis, bool upper) {
+  Box face = box;
+  (upper ? face.min : face.max)[axis] = (upper ? box.max : box.min)[axis];
+  return face;
 }
 
 }  // namespace
@@ -87,14 +96,19 @@ Box find_solid(const ScalarField& field, const Box& outer) {
       double& plane = upper ? box.max[axis] : box.min[axis];
       const double limit = upper ? outer.max[axis] : outer.min[axis];
       if (plane == limit) continue;
-      Box face = box;
-      (upper ? face.min : face.max)[axis] = plane;
-      if (proved_empty(field, face, axis, 0)) continue;
+      if (!not_proved_empty(field, face_of(box, axis, upper), axis, 0)) continue;
       plane = upper ? std::min(limit, plane + margin[axis]) : std::max(limit, plane - margin[axis]);
       grown = true;
     }
   }
   return box;
+}
+
+std::optional<Imath::V3d> place_where_cut(const ScalarField& field, const Box& box) {
+  for (int i = 0; i < 6; ++i)
+    if (const auto place = not_proved_empty(field, face_of(box, i / 2, i % 2 == 1), i / 2, 0))
+      return place;
+  return std::nullopt;
 }
 
 }  // namespace morsel::topology

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "topology/box.h"
 #include "topology/scalar_field.h"
 
@@ -12,5 +14,9 @@ namespace morsel::topology {
 // So no piece of the solid is cut; a piece that lies wholly beyond the box is not part of what is
 // certified. Empty when no grid point is inside. Does not depend on the number of threads.
 Box find_solid(const ScalarField& field, const Box& outer);
+
+// Where {F >= 0} may reach the boundary of the box and be cut: the centre of a piece of a face on
+// which F < 0 is not proved. Empty when it is proved on all of the boundary.
+std::optional<Imath::V3d> place_where_cut(const ScalarField& field, const Box& box);
 
 }  // namespace morsel::topology

@@ -89,8 +89,11 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   if (c.height <= options_.block_levels) {
     fill(place, *own, part);
     if (part.bricks.empty()) return part;
-    auto compiled = std::make_unique<CompiledField<double>>(*own, box);
-    part.blocks.push_back({std::move(own), std::move(compiled)});
+    // The surface seldom fills its block: terms that do not reach the bricks are left out.
+    topology::Box bricks;
+    for (const Brick& b : part.bricks) bricks.extendBy(set_.box(b));
+    part.blocks.push_back(
+        std::make_unique<CompiledField<double>>(*own, inflated(bricks, set_.margin_)));
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;

@@ -15,13 +15,27 @@ constexpr double kRounding = 1e-12;
 
 }  // namespace
 
-const topology::ScalarField& BrickSurface::field_near(std::uint32_t index,
-                                                      const Imath::V3d& x) const {
+const CompiledField<double>* BrickSurface::field_at(std::uint32_t index,
+                                                    const Imath::V3d& x) const {
   const Brick& brick = bricks_[index];
   topology::Box box = bricks_.box(brick);
   box.min -= Imath::V3d(bricks_.margin());
   box.max += Imath::V3d(bricks_.margin());
-  return box.intersects(x) ? bricks_.field(brick) : whole_;
+  return box.intersects(x) ? &bricks_.field(brick) : nullptr;
+}
+
+double BrickSurface::value_at(std::uint32_t index, const Imath::V3d& x) const {
+  const CompiledField<double>* field = field_at(index, x);
+  return field != nullptr ? field->value(x - field->centre()) : whole_.value(x);
+}
+
+double BrickSurface::value_and_gradient_at(std::uint32_t index, const Imath::V3d& x,
+                                           Imath::V3d& gradient) const {
+  if (const CompiledField<double>* field = field_at(index, x))
+    return field->value_and_gradient(x - field->centre(), gradient);
+  const topology::Jet jet = whole_.jet(x);
+  gradient = jet.gradient;
+  return jet.value;
 }
 
 bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, Root& root) const {
@@ -43,7 +57,7 @@ bool BrickSurface::search(std::uint32_t index, const RaySegment& ray, bool any, 
 
 bool BrickSurface::by_segment(std::uint32_t index, const RaySegment& ray, const Stretch& stretch,
                               bool any, Root& root) const {
-  const CompiledField<double>& field = bricks_.compiled(bricks_[index]);
+  const CompiledField<double>& field = bricks_.field(bricks_[index]);
   const Imath::V3d entry = stretch.entry - field.centre();
   const RayBounds bounds = bricks_.ray_bounds(index, ray.direction);
   double s_before = 0.0, g_before = 0.0;  // for the debug mode
@@ -87,7 +101,7 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
 
   const RayCubicError error{b.value_error, b.gradient_error * sum + 6.0f * b.rounding,
                             b.hessian_error * sum * sum + 24.0f * b.rounding};
-  const CompiledField<double>& field = bricks_.compiled(b);
+  const CompiledField<double>& field = bricks_.field(b);
   const Imath::V3d entry = stretch.entry - field.centre();
   const auto check_value = [&](double s, double g) {
     const auto model = static_cast<double>(p.value(static_cast<float>(s)));
@@ -120,8 +134,8 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
   if (!r.has_gradient || any) return true;
   // From the place of the last evaluation on to the root the gradient changes by as little as the
   // cubic's.
-  const Imath::V3d change =
-      cubic_gradient(b.c, start + local * r.s) - cubic_gradient(b.c, start + local * r.gradient_at);
+  const Imath::V3d change = cubic_gradient_change(
+      b.c, local_start, local_step, static_cast<float>(r.gradient_at), static_cast<float>(r.s));
   root.gradient = r.gradient + change * scale;
   return true;
 }

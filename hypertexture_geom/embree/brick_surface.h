@@ -22,7 +22,9 @@ class BrickSurface final : public RaySurface {
   std::uint64_t blocks() const override { return bricks_.block_count(); }
   std::uint64_t bytes() const override { return bricks_.bytes(); }
   std::uint32_t component(std::uint32_t brick) const override { return bricks_[brick].component; }
-  const topology::ScalarField& field_near(std::uint32_t brick, const Imath::V3d& x) const override;
+  double value_at(std::uint32_t brick, const Imath::V3d& x) const override;
+  double value_and_gradient_at(std::uint32_t brick, const Imath::V3d& x,
+                               Imath::V3d& gradient) const override;
 
  protected:
   bool search(std::uint32_t brick, const RaySegment& ray, bool any, Root& root) const override;
@@ -40,6 +42,9 @@ class BrickSurface final : public RaySurface {
                   Root& root) const;
   bool by_model(const Brick& brick, const RaySegment& ray, const Stretch& stretch, bool any,
                 Root& root) const;
+
+  // The brick's own field if it holds at `x`.
+  const CompiledField<double>* field_at(std::uint32_t brick, const Imath::V3d& x) const;
 
   BrickSet bricks_;
   const topology::ScalarField& whole_;

@@ -18,10 +18,10 @@ BrickSet::BrickSet(const topology::ScalarField& field, const topology::OctreeVie
 }
 
 std::size_t BrickSet::bytes() const {
-  std::size_t compiled = 0;
-  for (const Block& b : blocks_) compiled += b.compiled->bytes();
+  std::size_t fields = 0;
+  for (const Block& b : blocks_) fields += b->bytes();
   return bricks_.capacity() * sizeof(Brick) + ranges_.capacity() * sizeof(SlopeRanges) +
-         blocks_.capacity() * sizeof(Block) + compiled;
+         blocks_.capacity() * sizeof(Block) + fields;
 }
 
 RayBounds BrickSet::ray_bounds(std::uint32_t index, const Imath::V3d& d) const {

@@ -99,7 +99,7 @@ class BrickSet {
     // Else a brick is the largest cell, up to merge_levels above a leaf, whose model's error is
     // below this share of the change of F across half of it; leaves are halved, up to split_levels
     // times, while it is not.
-    double error_ratio = 0.03;
+    double error_ratio = 0.04;
     int merge_levels = 2;
     int split_levels = 1;
   };
@@ -112,8 +112,7 @@ class BrickSet {
   std::uint32_t size() const { return static_cast<std::uint32_t>(bricks_.size()); }
   const Brick& operator[](std::uint32_t i) const { return bricks_[i]; }
   std::size_t block_count() const { return blocks_.size(); }
-  // Without the blocks' restricted fields, whose size only they know; their compiled fields are
-  // included.
+  // The blocks' fields included.
   std::size_t bytes() const;
 
   // The brick's cell, exactly as the octree has it.
@@ -149,10 +148,8 @@ class BrickSet {
   // How far around its box a brick answers for roots, so that none is lost on a shared face, edge
   // or corner: a ray's place is uncertain by a few ulp of its coordinates.
   double slack(const Brick& b) const { return kSlack * sizes_[b.depth].x; }
-  // F on the brick's box and `margin` around it.
-  const topology::ScalarField& field(const Brick& b) const { return *blocks_[b.block].field; }
-  // The same, compiled for values and gradients (compiled_field.h).
-  const CompiledField<double>& compiled(const Brick& b) const { return *blocks_[b.block].compiled; }
+  // F on the brick's box and `margin` around it, by values and gradients (compiled_field.h).
+  const CompiledField<double>& field(const Brick& b) const { return *blocks_[b.block]; }
   double margin() const { return margin_; }
 
   bool has_slope_ranges() const { return slope_ranges_; }
@@ -162,10 +159,9 @@ class BrickSet {
 
  private:
   friend class BrickBuilder;
-  struct Block {
-    std::unique_ptr<topology::ScalarField> field;
-    std::unique_ptr<CompiledField<double>> compiled;
-  };
+  // The field of a block, restricted to it. No other form of it is kept: blocks are most of the
+  // memory of a geometry with many octaves.
+  using Block = std::unique_ptr<CompiledField<double>>;
   static constexpr double kSlack = 1e-7;
 
   topology::Box root_;

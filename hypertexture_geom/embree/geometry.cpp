@@ -138,11 +138,12 @@ std::optional<HypertextureGeometry::Hit> HypertextureGeometry::intersect_brick(
 ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& point,
                                          float extra_error) const {
   const Imath::V3d x(point);
-  const topology::Jet jet = impl_->surface->field_near(brick, x).jet(x);
+  Imath::V3d gradient;
+  const double value = impl_->surface->value_and_gradient_at(brick, x, gradient);
 
   // F's gradient vanishes on the surface only at degenerate points (F = 0 at a saddle): outward
   // from the object's centre is then as good as any direction.
-  Imath::V3d normal = -jet.gradient;
+  Imath::V3d normal = -gradient;
   const double slope = normal.length();
   if (!(slope > 0.0)) normal = x - topology::centre(impl_->bounds);
   if (!(normal.length2() > 0.0)) normal = {0.0, 0.0, 1.0};
@@ -150,11 +151,9 @@ ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& 
 
   const double error =
       float_error(x) + impl_->surface->tolerance() + static_cast<double>(extra_error);
-  const auto value = [&](const Imath::V3d& p) {
-    return impl_->surface->field_near(brick, p).value(p);
-  };
-  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value);
-  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value);
+  const auto value_at = [&](const Imath::V3d& p) { return impl_->surface->value_at(brick, p); };
+  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value_at);
+  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value_at);
 
   ShadingPoint s;
   s.normal = Imath::V3f(normal);
@@ -162,7 +161,7 @@ ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& 
   s.spawn_behind = behind.point;
   s.spawn_verified = front.verified && behind.verified;
   s.component = impl_->surface->component_at(brick, x);
-  const double step = slope > 0.0 ? std::clamp(jet.value / slope, -error, error) : 0.0;
+  const double step = slope > 0.0 ? std::clamp(value / slope, -error, error) : 0.0;
   s.position = x + normal * step;
   s.position_error = std::max((Imath::V3d(front.point) - s.position).length(),
                               (Imath::V3d(behind.point) - s.position).length());
@@ -170,7 +169,7 @@ ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& 
 }
 
 SurfaceDetail HypertextureGeometry::detail(std::uint32_t brick, const Imath::V3d& point) const {
-  const topology::Jet jet = impl_->surface->field_near(brick, point).jet(point);
+  const topology::Jet jet = impl_->field->jet(point);
   const FieldParts parts = impl_->field->parts(point);
   SurfaceDetail d;
   d.component = impl_->surface->component_at(brick, point);

@@ -31,7 +31,7 @@ struct GeometryOptions {
 struct GeometryStatistics {
   std::uint64_t bricks = 0;
   std::uint64_t blocks = 0;  // restricted fields that the bricks share
-  std::uint64_t bytes = 0;   // of the bricks; the fields' own memory is not included
+  std::uint64_t bytes = 0;   // of the bricks and these fields
   // Ray tests that ended at the evaluation limit, so that a hit may be missing or not the first.
   std::uint64_t limits = 0;
   std::uint64_t violations = 0;  // of bounds, found with check_bounds: the field or its models err

@@ -58,56 +58,76 @@ class ModelSolver {
 
   ModelResult solve(const RayCubic& whole, bool strict, bool any) const {
     ModelResult result;
-    constexpr int kHalvings = 5;
-    struct Part {
-      RayCubic p;
-      float from;
-      int level;
-    };
+    // Most cubics are settled whole; the parts of the others wait in a stack, the nearest last.
+    if (examine({whole, 0.0f, 0}, strict, any, result) != Verdict::kHalve) return result;
     Part stack[kHalvings + 2];
     int size = 0;
-    stack[size++] = {whole, 0.0f, 0};
+    const auto halve = [&](const Part& part) {
+      RayCubic left, right;
+      part.p.split(left, right);
+      const float middle = part.from + std::ldexp(0.5f, -part.level);
+      stack[size++] = {right, middle, part.level + 1};
+      stack[size++] = {left, part.from, part.level + 1};
+    };
+    halve({whole, 0.0f, 0});
     while (size > 0) {
       const Part part = stack[--size];
-      const RayCubic& p = part.p;
-      const float e = error_.value;
-      if (p.least() > e || p.greatest() < -e) continue;
-      const float width = std::ldexp(1.0f, -part.level);
-      float slope_lo, slope_hi;
-      p.slopes(slope_lo, slope_hi);
-      slope_lo -= error_.slope * width;
-      slope_hi += error_.slope * width;
-      const bool monotone = slope_lo > 0.0f || slope_hi < 0.0f;
-      const bool starts_certain = std::abs(p.b[0]) > e, ends_certain = std::abs(p.b[3]) > e;
-      if (starts_certain && ends_certain) {
-        if ((p.b[0] < 0.0f) != (p.b[3] < 0.0f)) {
-          if (any) {
-            result.hit = true;
-            result.s = part.from;
-            result.beyond = part.from + width;
-            return result;
-          }
-          if (monotone && polish(p, part.from, width, slope_lo, slope_hi, result)) return result;
-        } else if (monotone) {
-          continue;
-        }
-      }
-      // F settles what the band leaves open, best where it is monotone.
-      if ((monotone && !(starts_certain && ends_certain)) || part.level == kHalvings) {
-        if (by_field(p, part.from, width, slope_lo, slope_hi, strict && part.from == 0.0f, any,
-                     result))
+      switch (examine(part, strict, any, result)) {
+        case Verdict::kHit:
           return result;
-        continue;
+        case Verdict::kHalve:
+          halve(part);
+          break;
+        case Verdict::kNoRoot:
+          break;
       }
-      RayCubic left, right;
-      p.split(left, right);
-      stack[size++] = {right, part.from + 0.5f * width, part.level + 1};
-      stack[size++] = {left, part.from, part.level + 1};
     }
     return result;
   }
 
  private:
+  static constexpr int kHalvings = 5;
+  struct Part {
+    RayCubic p;
+    float from;  // it is [from, from + 2^-level]
+    int level;
+  };
+  enum class Verdict { kNoRoot, kHit, kHalve };
+
+  Verdict examine(const Part& part, bool strict, bool any, ModelResult& result) const {
+    const RayCubic& p = part.p;
+    const float e = error_.value;
+    if (p.least() > e || p.greatest() < -e) return Verdict::kNoRoot;
+    const float width = std::ldexp(1.0f, -part.level);
+    float slope_lo, slope_hi;
+    p.slopes(slope_lo, slope_hi);
+    slope_lo -= error_.slope * width;
+    slope_hi += error_.slope * width;
+    const bool monotone = slope_lo > 0.0f || slope_hi < 0.0f;
+    const bool starts_certain = std::abs(p.b[0]) > e, ends_certain = std::abs(p.b[3]) > e;
+    if (starts_certain && ends_certain) {
+      if ((p.b[0] < 0.0f) != (p.b[3] < 0.0f)) {
+        if (any) {
+          result.hit = true;
+          result.s = part.from;
+          result.beyond = part.from + width;
+          return Verdict::kHit;
+        }
+        if (monotone && polish(p, part.from, width, slope_lo, slope_hi, result))
+          return Verdict::kHit;
+      } else if (monotone) {
+        return Verdict::kNoRoot;
+      }
+    }
+    // F settles what the band leaves open, best where it is monotone.
+    if ((monotone && !(starts_certain && ends_certain)) || part.level == kHalvings)
+      return by_field(p, part.from, width, slope_lo, slope_hi, strict && part.from == 0.0f, any,
+                      result)
+                 ? Verdict::kHit
+                 : Verdict::kNoRoot;
+    return Verdict::kHalve;
+  }
+
   // The one root within the part; false if proof fails (rounding at the limit of float).
   bool polish(const RayCubic& p, float from, float width, float slope_lo, float slope_hi,
               ModelResult& result) const {

@@ -76,17 +76,24 @@ inline RayCubic restrict_to_ray(const float* c, const float start[3], const floa
            kSixth * (2.0f * v[0] - 9.0f * v[1] + 18.0f * v[2] - 5.0f * v[3]), v[3]}};
 }
 
-// Gradient of the cubic at `u`.
-inline Imath::V3d cubic_gradient(const float* c, const Imath::V3d& u) {
+// By how much the gradient of the cubic changes from start + from * step to start + to * step, with
+// the rounding of two gradients in float: both are evaluated side by side.
+inline Imath::V3d cubic_gradient_change(const float* c, const float start[3], const float step[3],
+                                        float from, float to) {
   using namespace topology::monomial;
-  const auto k = [&](int i) { return static_cast<double>(c[i]); };
-  const double x = u.x, y = u.y, z = u.z;
-  return {k(kX) + x * (2.0 * k(kXX) + 3.0 * x * k(kXXX) + 2.0 * (y * k(kXXY) + z * k(kXXZ))) +
-              y * (k(kXY) + y * k(kXYY) + z * k(kXYZ)) + z * (k(kXZ) + z * k(kXZZ)),
-          k(kY) + y * (2.0 * k(kYY) + 3.0 * y * k(kYYY) + 2.0 * (x * k(kXYY) + z * k(kYYZ))) +
-              x * (k(kXY) + x * k(kXXY) + z * k(kXYZ)) + z * (k(kYZ) + z * k(kYZZ)),
-          k(kZ) + z * (2.0 * k(kZZ) + 3.0 * z * k(kZZZ) + 2.0 * (x * k(kXZZ) + y * k(kYZZ))) +
-              x * (k(kXZ) + x * k(kXXZ) + y * k(kXYZ)) + y * (k(kYZ) + y * k(kYYZ))};
+  using Four = float __attribute__((vector_size(16)));
+  const Four places{from, to, from, to};
+  const Four x = places * step[0] + start[0];
+  const Four y = places * step[1] + start[1];
+  const Four z = places * step[2] + start[2];
+  const Four gx = x * (2.0f * c[kXX] + 3.0f * c[kXXX] * x + 2.0f * (c[kXXY] * y + c[kXXZ] * z)) +
+                  y * (c[kXY] + c[kXYY] * y + c[kXYZ] * z) + z * (c[kXZ] + c[kXZZ] * z);
+  const Four gy = y * (2.0f * c[kYY] + 3.0f * c[kYYY] * y + 2.0f * (c[kXYY] * x + c[kYYZ] * z)) +
+                  x * (c[kXY] + c[kXXY] * x + c[kXYZ] * z) + z * (c[kYZ] + c[kYZZ] * z);
+  const Four gz = z * (2.0f * c[kZZ] + 3.0f * c[kZZZ] * z + 2.0f * (c[kXZZ] * x + c[kYZZ] * y)) +
+                  x * (c[kXZ] + c[kXXZ] * x + c[kXYZ] * y) + y * (c[kYZ] + c[kYYZ] * y);
+  return {static_cast<double>(gx[1] - gx[0]), static_cast<double>(gy[1] - gy[0]),
+          static_cast<double>(gz[1] - gz[0])};
 }
 
 // How far g(s) = F(entry + s * (exit - entry)) and its derivatives may differ from the cubic's on

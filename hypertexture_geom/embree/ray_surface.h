@@ -75,12 +75,13 @@ class RaySurface {
   // The octree's cell that it is, if it is one; else as bounds.
   virtual topology::Box cell(std::uint32_t primitive) const { return bounds(primitive); }
   virtual std::uint64_t blocks() const { return 0; }  // restricted fields that primitives share
-  virtual std::uint64_t bytes() const { return 0; }   // without these fields' own memory
+  virtual std::uint64_t bytes() const { return 0; }   // theirs included
   // Component of its surface; kNoComponent if that depends on the place.
   virtual std::uint32_t component(std::uint32_t primitive) const = 0;
-  // A field to evaluate at `x`, which need not lie in the primitive: cheaper where it does.
-  virtual const topology::ScalarField& field_near(std::uint32_t primitive,
-                                                  const Imath::V3d& x) const = 0;
+  // F at `x`, which need not lie in the primitive: cheaper where it does.
+  virtual double value_at(std::uint32_t primitive, const Imath::V3d& x) const = 0;
+  virtual double value_and_gradient_at(std::uint32_t primitive, const Imath::V3d& x,
+                                       Imath::V3d& gradient) const = 0;
 
   // The first root of F along the ray within the primitive, of a kept component. Both directions of
   // crossing are roots. If F is 0 at tnear itself, that root is not in the open interval and is
@@ -98,8 +99,9 @@ class RaySurface {
   // Gradient of F at a root.
   Imath::V3d gradient(std::uint32_t primitive, const RaySegment& ray, const Root& root) const {
     if (root.has_gradient) return root.gradient;
-    const Imath::V3d x = ray.origin + ray.direction * root.t;
-    return field_near(primitive, x).jet(x).gradient;
+    Imath::V3d gradient;
+    value_and_gradient_at(primitive, ray.origin + ray.direction * root.t, gradient);
+    return gradient;
   }
   // Component of the surface at `x` on the primitive.
   std::uint32_t component_at(std::uint32_t primitive, const Imath::V3d& x) const {

@@ -19,8 +19,12 @@ class SphereSurface final : public RaySurface {
   std::uint32_t size() const override { return box_.isEmpty() ? 0 : 1; }
   topology::Box bounds(std::uint32_t) const override { return box_; }
   std::uint32_t component(std::uint32_t) const override { return topology::kNoComponent; }
-  const topology::ScalarField& field_near(std::uint32_t, const Imath::V3d&) const override {
-    return field_;
+  double value_at(std::uint32_t, const Imath::V3d& x) const override { return field_.value(x); }
+  double value_and_gradient_at(std::uint32_t, const Imath::V3d& x,
+                               Imath::V3d& gradient) const override {
+    const topology::Jet jet = field_.jet(x);
+    gradient = jet.gradient;
+    return jet.value;
   }
 
   // Steps along one ray. Steps have at least the tolerance's length, so a ray that runs along the

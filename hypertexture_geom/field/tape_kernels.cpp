@@ -34,12 +34,13 @@ struct DirectionBytes {
   }
 };
 
-// One chunk of points on its way through a tape. With kGradient, registers are a value and three
-// derivatives, else a value.
-template <class T, bool kGradient>
+// One chunk of points on its way through a tape, in vectors of at most kLanes points: of one where
+// there is one point, as roots and quotients of wide vectors take longer than a number's. With
+// kGradient, registers are a value and three derivatives, else a value.
+template <class T, bool kGradient, std::size_t kLanes>
 class Machine {
  public:
-  using D = hn::CappedTag<T, kMostLanes>;
+  using D = hn::CappedTag<T, kLanes>;
   using V = hn::Vec<D>;
 
   Machine(const Tape<T>& tape, T* file, std::size_t stride, const T* const (&x)[3],
@@ -274,7 +275,7 @@ class Machine {
   }
 
   // Hashing is done with 32-bit lanes, for T = float.
-  using DU = hn::RebindToUnsigned<hn::CappedTag<float, kMostLanes>>;
+  using DU = hn::RebindToUnsigned<hn::CappedTag<float, kLanes>>;
   using VU = hn::Vec<DU>;
   static VU word(std::uint32_t w) { return hn::Set(DU(), w); }
   static VU scramble_lanes(VU h) {  // as scramble() of integer_hash.h
@@ -568,7 +569,7 @@ class Machine {
 
   void opaque(const TapeInstruction& in) const {
     const OpaqueField& f = tape_.opaque[in.count];
-    HWY_ALIGN T g[3][kMostLanes] = {};
+    HWY_ALIGN T g[3][kLanes] = {};
     const std::size_t lanes = hn::Lanes(D());
     for (std::size_t first = 0; first < points_; first += lanes) {
       for (std::size_t l = 0; l < lanes; ++l) {
@@ -657,7 +658,7 @@ template <class T, bool kGradient>
 void run_all(const Tape<T>& tape, const T* const (&x)[3], std::size_t count, T* value,
              T* const* gradient) {
   constexpr std::size_t kComponents = kGradient ? 4 : 1;
-  const std::size_t stride = count == 1 ? kMostLanes : kChunk;
+  const std::size_t stride = count == 1 ? 1 : kChunk;
   const std::size_t size = tape.registers * kComponents * stride;
   HWY_ALIGN T on_stack[kFileOnStack];
   std::vector<T> allocated;
@@ -666,12 +667,8 @@ void run_all(const Tape<T>& tape, const T* const (&x)[3], std::size_t count, T* 
     allocated.resize(size);
     file = allocated.data();
   }
-  if (count == 1) {  // nothing but the point itself is copied
-    const hn::CappedTag<T, kMostLanes> d;
-    HWY_ALIGN T point[3][kMostLanes];
-    for (int a = 0; a < 3; ++a) hn::Store(hn::Set(d, *x[a]), d, point[a]);
-    const T* const in[3] = {point[0], point[1], point[2]};
-    const Machine<T, kGradient> machine(tape, file, stride, in, 1);
+  if (count == 1) {
+    const Machine<T, kGradient, 1> machine(tape, file, stride, x, 1);
     machine.run();
     *value = *machine.reg(tape.result);
     if constexpr (kGradient)
@@ -691,7 +688,7 @@ void run_all(const Tape<T>& tape, const T* const (&x)[3], std::size_t count, T* 
       std::fill(padded[a] + n, padded[a] + end, in[a][n - 1]);
       in[a] = padded[a];
     }
-    const Machine<T, kGradient> machine(tape, file, stride, in, n);
+    const Machine<T, kGradient, kMostLanes> machine(tape, file, stride, in, n);
     machine.run();
     const T* result = machine.reg(tape.result);
     std::copy(result, result + n, value + first);

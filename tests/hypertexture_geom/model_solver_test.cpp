@@ -207,7 +207,12 @@ TEST(RayCubic, RestrictsToARay) {
       const double exact = m.value_at(u);
       EXPECT_NEAR(static_cast<double>(p.value(s)), exact,
                   static_cast<double>(kRayCubicRounding * sum));
-      EXPECT_LT((cubic_gradient(c, u) - m.gradient_at(u)).length(), 1e-13);
+      Imath::V3d end;
+      for (int j = 0; j < 3; ++j)
+        end[j] = static_cast<double>(a[j]) + 0.75 * static_cast<double>(step[j]);
+      const Imath::V3d change = m.gradient_at(end) - m.gradient_at(u);
+      EXPECT_LT((cubic_gradient_change(c, a, step, s, 0.75f) - change).length(),
+                static_cast<double>(6.0f * kRayCubicRounding * sum));
       EXPECT_NEAR(static_cast<double>(p.slope(s)),
                   m.gradient_at(u).dot({step[0], step[1], step[2]}),
                   static_cast<double>(6.0f * kRayCubicRounding * sum));

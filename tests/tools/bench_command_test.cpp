@@ -42,7 +42,9 @@ TEST_F(BenchCommandTest, HasTheKeysThatOthersRelyOn) {
   EXPECT_GE(info["renderer"]["rays"], 32 * 24 * 2);
   EXPECT_GT(info["renderer_efficiency"], 0.0);
   // A solver that evaluates nothing would not be one.
-  ASSERT_FALSE(info["evaluations_per_ray"].empty());
+  for (const char* solver : {"sphere", "segment", "model"})
+    ASSERT_TRUE(info["evaluations_per_ray"].contains(solver)) << solver;
+  EXPECT_GT(info["evaluations_per_ray"]["sphere"], info["evaluations_per_ray"]["model"]);
   for (const auto& [solver, count] : info["evaluations_per_ray"].items())
     EXPECT_GT(count, 0.0) << solver;
 }

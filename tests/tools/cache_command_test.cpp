@@ -118,7 +118,29 @@ TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
   EXPECT_EQ(both["engine"], "both");
   EXPECT_EQ(both["certified"], true);
   EXPECT_EQ(both["morse"]["audit"]["agreed"], true);
+  EXPECT_EQ(both["morse"]["audit"]["verdict"], "agreed");
+  EXPECT_EQ(both["morse"]["audit"]["euler_compared_with"], json({"octree", "mesh"}));
   EXPECT_EQ(both["morse"]["sets"], both["components"]);
+  // An audit with the mesh serves who asks for less, and not the other way round.
+  const std::string small = (folder_ / "small.topo").string();
+  const std::vector<std::string> octree{"--engine", "both", "--audit-euler", "octree", "-o"};
+  const auto by_octree = [&](const std::string& file) {
+    std::vector<std::string> arguments = octree;
+    arguments.push_back(file);
+    return build(arguments);
+  };
+  EXPECT_NE(by_octree(cache_).out.find("up to date"), std::string::npos);
+  const CommandResult less = by_octree(small);
+  EXPECT_NE(less.out.find("Euler characteristics by octree,"), std::string::npos) << less.out;
+  // The row of the paper's table 1.
+  EXPECT_NE(less.out.find(fmt::format("critical points: {} maxima, {} 2-saddles, ",
+                                      both["critical_points"]["maxima"].get<int>(),
+                                      both["critical_points"]["saddles2"].get<int>())),
+            std::string::npos)
+      << less.out;
+  const CommandResult more = build({"--engine", "both", "-o", small});
+  EXPECT_NE(more.out.find("audited without the mesh"), std::string::npos) << more.out;
+  EXPECT_NE(more.out.find("by octree and mesh"), std::string::npos) << more.out;
   EXPECT_GE(both["critical_points"]["maxima"], both["components"]);
   int maxima = 0;
   for (const json& c : both["component_table"]) maxima += c["maxima"].get<int>();
@@ -131,7 +153,69 @@ TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
   const json info = json::parse(run_morsel({"cache", "info", cache_, "--json"}).out);
   EXPECT_EQ(info["components"], both["components"]);
   EXPECT_EQ(info["critical_points"], both["critical_points"]);
-  EXPECT_EQ(build({"--engine", "guess"}).code, 2);
+  const CommandResult guess = build({"--engine", "guess"});
+  EXPECT_EQ(guess.code, 2);
+  EXPECT_NE(guess.err.find("certified, morse, both"), std::string::npos) << guess.err;
+  // The comparators make no labels; the error says where they are.
+  for (const std::string& grid : {std::string("voxel"), std::string("mesh")}) {
+    const CommandResult result = build({"--engine", grid, "--resolution", "64"});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.err.find("cache compare SCENE --engine " + grid + " --resolution N"),
+              std::string::npos)
+        << result.err;
+  }
+}
+
+// Three balls, and a perturbation so large that the Morse engine sees another field.
+TEST_F(CacheCommandTest, EnginesThatDisagreeFailAndNameThePlace) {
+  const std::string scene =
+      folder_
+          .write("balls.json",
+                 R"({"morsel": 1, "geometries": [{"name": "balls", "type": "hypertexture",
+                     "field": {"density": {"type": "metaballs", "level": 0.6, "balls": [
+                       {"center": [-0.8, 0, 0], "radius": 1.4, "weight": 1},
+                       {"center": [0.8, 0, 0], "radius": 1.4, "weight": 1},
+                       {"center": [0, 2.6, 0.5], "radius": 1, "weight": 0.7}]}}}]})")
+          .string();
+  const auto both = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"cache", "build", scene, "--engine", "both", "-o", cache_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_morsel(arguments);
+  };
+  const CommandResult wrong = both({"--perturb", "0.3"});
+  EXPECT_EQ(wrong.code, 1) << wrong.out;
+  EXPECT_NE(wrong.err.find("balls: the certified and the Morse engine disagree"), std::string::npos)
+      << wrong.err;
+  EXPECT_NE(wrong.err.find("at ("), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("0.3"), std::string::npos) << wrong.err;
+  EXPECT_FALSE(std::filesystem::exists(cache_));
+  const CommandResult right = both({});
+  EXPECT_EQ(right.code, 0) << right.err;
+  EXPECT_NE(right.out.find("engines agree"), std::string::npos) << right.out;
+}
+
+// What could not be compared is a failure, and the cache says of itself no more than is true.
+TEST_F(CacheCommandTest, EnginesThatCannotBeComparedFailAndLeaveCertifiedLabels) {
+  const std::string cut =
+      "geometries.rock.bounds={\"min\": [-2.5, -2.5, -2.5], \"max\": [0, 2.5, 2.5]}";
+  for (int n = 0; n < 2; ++n) {  // whether it is built or was there
+    const CommandResult both = build({"--engine", "both", "-o", cache_, "--set", cut});
+    EXPECT_EQ(both.code, 1) << both.out;
+    EXPECT_NE(both.err.find("rock: the engines could not be compared"), std::string::npos)
+        << both.err;
+    EXPECT_NE(both.err.find("cuts the solid near (0"), std::string::npos) << both.err;
+    EXPECT_NE(both.out.find("engines NOT compared"), std::string::npos) << both.out;
+    EXPECT_EQ(both.out.find("up to date") != std::string::npos, n == 1) << both.out;
+  }
+  const json info = json::parse(run_morsel({"cache", "info", cache_, "--json"}).out);
+  EXPECT_EQ(info["engine"], "certified");
+  EXPECT_EQ(info["morse"]["audit"]["verdict"], "not compared");
+  // Certified labels are what it holds, and critical points to look at.
+  const CommandResult plain = build({"-o", cache_, "--set", cut});
+  EXPECT_EQ(plain.code, 0) << plain.err;
+  EXPECT_NE(plain.out.find("up to date"), std::string::npos) << plain.out;
+  const std::string csv = (folder_ / "a.csv").string();
+  EXPECT_EQ(run_morsel({"cache", "export", cache_, "--csv", "-o", csv}).code, 0);
 }
 
 // The ridge of a torus is a curve of critical points; the remedy that the documentation names.
@@ -202,7 +286,20 @@ TEST_F(CacheCommandTest, ComparesMethods) {
   EXPECT_EQ(rows[0]["certified"], true);
   EXPECT_EQ(rows[1]["components"], rows[0]["components"]);
   for (std::size_t i = 2; i < 6; ++i) EXPECT_EQ(rows[i]["certified"], false);
+  for (const json& row : rows) EXPECT_GE(row["seconds"].get<double>(), 0.0);
+  EXPECT_EQ(result.err.find("is cut there"), std::string::npos) << result.err;
   EXPECT_EQ(run_morsel({"cache", "compare", scene_, "--resolution", "1"}).code, 2);
+}
+
+TEST_F(CacheCommandTest, ComparisonWarnsWhereTheBoxCutsTheSolid) {
+  const CommandResult result =
+      run_morsel({"cache", "compare", scene_, "--engine", "morse", "--set",
+                  "geometries.rock.bounds={\"min\": [-2.5, -2.5, -2.5], \"max\": [0, 2.5, 2.5]}"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("\"rock\": its surface reaches its bounds near (0, "),
+            std::string::npos)
+      << result.err;
+  EXPECT_NE(result.out.find("no: the box cuts the solid"), std::string::npos) << result.out;
 }
 
 TEST_F(CacheCommandTest, ASurfaceThatIsCutIsAWarningWithThePlace) {

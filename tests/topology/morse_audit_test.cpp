@@ -81,39 +81,215 @@ TEST(Audit, SmallRandomFieldsAgree) {
 }
 
 // What an audit is for: each kind of wrong answer is seen and its place named.
-TEST(Audit, SeesWrongAnswers) {
-  const Blobs field({{0.01, 0.02, 0.03}, {1.01, 0.1, 0.0}, {4.0, 0.1, 0.2}}, 1.0, 0.3);
-  const Topology t = certify_in(field, cube(6.0));
-  MorseOptions options;
-  options.box = t.box;
-  const MorseComplex good = morse_complex(field, options);
-  ASSERT_TRUE(audit(field, t, good).agreed());
-  ASSERT_EQ(good.sets.size(), 2u);
+class AuditSees : public ::testing::Test {
+ protected:
+  // A pair of blobs that is joined, and a single one.
+  const Blobs field_{{{0.01, 0.02, 0.03}, {1.01, 0.1, 0.0}, {4.0, 0.1, 0.2}}, 1.0, 0.3};
+  const Topology certified_ = certify_in(field_, cube(6.0));
+  MorseComplex complex_ = complex_in(certified_.box);
 
-  MorseComplex joined = good;  // one set for both pieces
-  for (CriticalPoint& p : joined.points) p.set = 0;
-  joined.sets.resize(1);
-  EXPECT_FALSE(audit(field, t, joined).agreed());
+  MorseComplex complex_in(const Box& box) const {
+    MorseOptions options;
+    options.box = box;
+    return morse_complex(field_, options);
+  }
+  std::uint32_t index_of(CriticalType type) const {
+    for (std::uint32_t i = 0; i < complex_.points.size(); ++i)
+      if (complex_.points[i].type == type) return i;
+    return 0xffffffffu;
+  }
+  Audit audit_of(const Topology& topology) const { return audit(field_, topology, complex_); }
+  void expect_disagreement(const Audit& a, const std::string& what, const Imath::V3d& near,
+                           double within = 1e-6) const {
+    ASSERT_FALSE(a.disagreements.empty());
+    EXPECT_EQ(a.verdict(), "disagreed");
+    EXPECT_FALSE(a.agreed());
+    bool found = false;
+    for (const Audit::Disagreement& d : a.disagreements)
+      found =
+          found || (d.what.find(what) != std::string::npos && (d.place - near).length() < within);
+    EXPECT_TRUE(found) << a.disagreements[0].what << " at " << a.disagreements[0].place;
+  }
+  // One set for both pieces, as if an ascent had gone astray.
+  void join_all() {
+    for (CriticalPoint& p : complex_.points) p.set = 0;
+    complex_.sets.resize(1);
+  }
+  // As if the only 2-saddle joined nothing.
+  void part_all() {
+    complex_.sets.clear();
+    for (CriticalPoint& p : complex_.points) {
+      p.set = kNoSet;
+      if (p.type != CriticalType::kMaximum) continue;
+      p.set = static_cast<std::uint32_t>(complex_.sets.size());
+      complex_.sets.push_back({});
+    }
+  }
+};
 
-  MorseComplex split = good;  // a third set
-  split.sets.push_back({});
-  for (CriticalPoint& p : split.points)
-    if (p.set == good.main && p.type == CriticalType::kMaximum) {
-      p.set = 2;
+TEST_F(AuditSees, NothingWrong) {
+  const Audit a = audit_of(certified_);
+  EXPECT_TRUE(a.agreed()) << (a.disagreements.empty() ? "" : a.disagreements[0].what);
+  EXPECT_EQ(a.verdict(), "agreed");
+  EXPECT_TRUE(a.euler_by_mesh);
+  EXPECT_EQ(a.euler, (std::vector<std::int64_t>{1, 1}));
+  EXPECT_EQ(complex_.sets.size(), 2u);
+  EXPECT_FALSE(audit(field_, certified_, complex_, {}, {.mesh = false}).euler_by_mesh);
+}
+
+TEST_F(AuditSees, JoinedMaximaInDifferentComponentsWhateverIsOpen) {
+  join_all();
+  expect_disagreement(audit_of(certified_), "certified to lie in component", {4.0, 0.1, 0.2});
+  // Neither what the Morse engine left open nor a box that is cut explains a join.
+  complex_.unresolved_boxes = 3;
+  complex_.lost.push_back({index_of(CriticalType::kSaddle2), Imath::V3d(0.0), "stalled"});
+  Topology cut = certified_;
+  cut.touches_box = Imath::V3d(6.0, 0.0, 0.0);
+  const Audit a = audit_of(cut);
+  EXPECT_FALSE(a.conclusive);
+  EXPECT_EQ(a.reasons.size(), 2u);
+  expect_disagreement(a, "certified to lie in component", {4.0, 0.1, 0.2});
+}
+
+// Cells that were left undecided explain a join only where they lie between.
+TEST_F(AuditSees, UndecidedCellsExplainOnlyWhatLiesBesideThem) {
+  join_all();
+  Topology open = certified_;
+  open.certified = false;
+  const auto forget_faces = [](OctreeNode& node) {
+    for (int f = 0; f < 6; ++f) node.set_face_content(f / 2, f % 2, Content::kUndecided);
+  };
+  // All empty cells and all faces undecided: anything may be joined.
+  for (OctreeNode& node : open.nodes) {
+    if (!node.is_leaf()) continue;
+    forget_faces(node);
+    if (node.cell_content() == Content::kEmpty)
+      node.content = static_cast<std::uint8_t>(Content::kUndecided);
+  }
+  const Audit all = audit_of(open);
+  EXPECT_TRUE(all.disagreements.empty()) << all.disagreements[0].what;
+  EXPECT_EQ(all.verdict(), "not compared");
+  // One in a corner of the box only: nothing is explained.
+  Topology corner = certified_;
+  corner.certified = false;
+  corner.unresolved_cells = 1;
+  const std::uint32_t leaf = corner.octree().locate(corner.box.max).node;
+  ASSERT_EQ(corner.nodes[leaf].cell_content(), Content::kEmpty);
+  corner.nodes[leaf].content = static_cast<std::uint8_t>(Content::kUndecided);
+  forget_faces(corner.nodes[leaf]);
+  expect_disagreement(audit_of(corner), "certified to lie in component", {4.0, 0.1, 0.2});
+}
+
+TEST_F(AuditSees, AMaximumInAnEmptyCellWhateverIsOpen) {
+  complex_.unresolved_boxes = 1;
+  const std::uint32_t maximum = index_of(CriticalType::kMaximum);
+  complex_.points[maximum].position = Imath::V3d(-3.0, 4.0, 4.0);
+  const Audit a = audit_of(certified_);
+  EXPECT_FALSE(a.conclusive);
+  expect_disagreement(a, "certified to be empty", {-3.0, 4.0, 4.0});
+}
+
+TEST_F(AuditSees, ASaddleInAnotherComponentThanItsSet) {
+  CriticalPoint& saddle = complex_.points[index_of(CriticalType::kSaddle2)];
+  for (const CriticalPoint& p : complex_.points)
+    if (p.set != saddle.set) {
+      saddle.set = p.set;
       break;
     }
-  const Audit a = audit(field, t, split);
-  ASSERT_FALSE(a.disagreements.empty());
-  EXPECT_LT(a.disagreements[0].place.length(), 2.0);
+  expect_disagreement(audit_of(certified_), "a 2-saddle of set", saddle.position);
+}
 
-  MorseComplex lost = good;  // a saddle that was not found
-  lost.sets[lost.main].saddles2 = 0;
-  EXPECT_FALSE(audit(field, t, lost).agreed());
+TEST_F(AuditSees, SetsThatOughtToBeJoined) {
+  part_all();
+  const Audit a = audit_of(certified_);
+  expect_disagreement(a, "both have a maximum in component", {0.5, 0.05, 0.0}, 1.0);
+  // A lost ascent of the 2-saddle between them explains it; one of another point does not.
+  complex_.lost.push_back({index_of(CriticalType::kSaddle2), Imath::V3d(0.0), "stalled"});
+  const Audit excused = audit_of(certified_);
+  EXPECT_TRUE(excused.disagreements.empty()) << excused.disagreements[0].what;
+  EXPECT_EQ(excused.verdict(), "not compared");
+  complex_.lost.back().point = index_of(CriticalType::kMaximum);
+  EXPECT_EQ(audit_of(certified_).verdict(), "disagreed");
+  // So do boxes that may hold further saddles.
+  complex_.unresolved_boxes = 1;
+  EXPECT_EQ(audit_of(certified_).verdict(), "not compared");
+}
 
-  MorseComplex open = good;  // nothing is compared with what is known to be incomplete
-  open.unresolved_boxes = 1;
-  EXPECT_FALSE(audit(field, t, open).conclusive);
-  EXPECT_FALSE(audit(field, t, open).agreed());
+TEST_F(AuditSees, AMaximumThatWasNotFound) {
+  for (std::size_t i = 0; i < complex_.points.size(); ++i)
+    if ((complex_.points[i].position - Imath::V3d(4.0, 0.1, 0.2)).length() < 0.1) {
+      complex_.points.erase(complex_.points.begin() + static_cast<std::ptrdiff_t>(i));
+      break;
+    }
+  // A lost ascent is no excuse, since it takes away no maximum.
+  complex_.lost.push_back({0, Imath::V3d(0.0), "stalled"});
+  expect_disagreement(audit_of(certified_), "has no maximum", {4.0, 0.1, 0.2}, 1.0);
+}
+
+TEST_F(AuditSees, ASaddleThatWasNotFound) {
+  const std::uint32_t saddle = index_of(CriticalType::kSaddle2);
+  complex_.points.erase(complex_.points.begin() + saddle);
+  expect_disagreement(audit_of(certified_), "Euler characteristic", {0.5, 0.05, 0.0}, 1.0);
+  // Euler characteristics need no ascents: lost ones are no excuse.
+  complex_.lost.push_back({0, Imath::V3d(0.0), "stalled"});
+  expect_disagreement(audit_of(certified_), "Euler characteristic", {0.5, 0.05, 0.0}, 1.0);
+}
+
+TEST_F(AuditSees, NothingIsComparedWithWhatIsKnownToBeIncomplete) {
+  complex_.unresolved_boxes = 1;
+  const Audit a = audit_of(certified_);
+  EXPECT_EQ(a.verdict(), "not compared");
+  ASSERT_EQ(a.reasons.size(), 1u);
+  EXPECT_NE(a.reasons[0].find("1 boxes undecided"), std::string::npos) << a.reasons[0];
+  EXPECT_TRUE(a.euler.empty());
+}
+
+// Three balls of which the perturbation lifts or drowns some: the two engines see different fields,
+// and the message names places and the perturbation.
+TEST(Engine, DisagreementIsAnErrorThatNamesThePlaces) {
+  const auto field = geom::testing::field_of(
+      {{"density",
+        {{"type", "metaballs"},
+         {"balls",
+          {{{"center", {-0.8, 0.0, 0.0}}, {"radius", 1.4}, {"weight", 1.0}},
+           {{"center", {0.8, 0.0, 0.0}}, {"radius", 1.4}, {"weight", 1.0}},
+           {{"center", {0.0, 2.6, 0.5}}, {"radius", 1.0}, {"weight", 0.7}}}},
+         {"level", 0.6}}}});
+  CertifyOptions options;
+  options.box = find_solid(*field, *field->solid_bounds());
+  EngineOptions engine = Engine::kBoth;
+  Sections sections;
+  EXPECT_EQ(run_engine(engine, *field, options, sections).engine, "both");
+  engine.perturbation = 0.3;
+  Sections none;
+  try {
+    run_engine(engine, *field, options, none);
+    ADD_FAILURE() << "no disagreement";
+  } catch (const EnginesDisagree& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("at ("), std::string::npos) << text;
+    EXPECT_NE(text.find("a linear term of at most 0.3"), std::string::npos) << text;
+  }
+  EXPECT_TRUE(none.all().empty());
+}
+
+TEST(Engine, WhatCouldNotBeComparedIsNoAgreement) {
+  const Blobs field({{0.01, 0.02, 0.03}, {1.01, 0.1, 0.0}, {4.0, 0.1, 0.2}}, 1.0, 0.3);
+  CertifyOptions options;
+  options.box = cube(4.0);  // cuts the last ball
+  Sections sections;
+  const Topology t = run_engine(Engine::kBoth, field, options, sections);
+  EXPECT_EQ(t.engine, "certified");
+  EXPECT_TRUE(t.certified);
+  const nlohmann::json found = morse_meta(sections, "test")["audit"];
+  EXPECT_EQ(found["verdict"], "not compared");
+  EXPECT_EQ(found["agreed"], false);
+  ASSERT_EQ(found["reasons"].size(), 1u);
+  EXPECT_NE(found["reasons"][0].get<std::string>().find("cuts the solid near (4"),
+            std::string::npos)
+      << found;
+  // Counts that may be wrong decide nothing: `main` goes by volume.
+  for (const Component& c : t.components) EXPECT_EQ(c.maxima, 0u);
 }
 
 TEST(Engine, MorseAloneGivesTheSameLabels) {

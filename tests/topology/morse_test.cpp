@@ -252,6 +252,31 @@ TEST(Morse, FindsWhatNewtonFindsFromEverywhere) {
   EXPECT_GT(found, c.points.size() * 3 / 4);
 }
 
+// Relaxation from seeds changes the way and not the answer, whatever the seeds are.
+TEST(Morse, SeedsDoNotChangeWhatIsFound) {
+  const auto field = geom::testing::field_of(geom::testing::eq13_json(1, 5, 0.8, 2.0));
+  SubdivisionOptions options;
+  options.box = cube(1.0);
+  const CriticalPoints plain = find_critical_points(*field, options);
+  EXPECT_EQ(plain.from_seeds, 0u);
+  for (int i = 0; i < 7 * 7 * 7; ++i)
+    options.seeds.push_back(Imath::V3d(i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3) / 3.3);
+  options.seeds.push_back(options.seeds[0]);
+  options.seeds.emplace_back(50.0, 0.0, 0.0);
+  options.seeds.emplace_back(std::nan(""), 0.0, 0.0);
+  options.seeds.emplace_back(0.0, HUGE_VAL, 0.0);
+  const CriticalPoints seeded = find_critical_points(*field, options);
+  EXPECT_GT(seeded.from_seeds, 5u);
+  EXPECT_EQ(seeded.unresolved, 0u);
+  ASSERT_EQ(seeded.points.size(), plain.points.size());
+  for (const CriticalPoint& p : plain.points) {
+    int same = 0;
+    for (const CriticalPoint& q : seeded.points)
+      same += (p.position - q.position).length() < 1e-10 && p.type == q.type;
+    EXPECT_EQ(same, 1) << p.position;
+  }
+}
+
 TEST(Morse, MembershipByStreamline) {
   std::vector<Imath::V3d> centres{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {6, 0, 0}};
   const Blobs field(centres, 1.0, 0.3);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "topology/morse/audit.h"
 #include "topology/morse/morse_sections.h"
 #include "topology/morse/streamline_labels.h"
 
@@ -22,6 +21,12 @@ constexpr std::size_t kNamed = 10;  // disagreements that the message spells out
     text +=
         fmt::format("\n  at ({:.9g}, {:.9g}, {:.9g}): {}", d.place.x, d.place.y, d.place.z, d.what);
   }
+  if (audit.perturbation > 0.0)
+    text += fmt::format(
+        "\n  (the Morse engine looked at the field plus a linear term of at most {:g}: pieces that "
+        "are joined, parted or there at all by less than this may differ; try a smaller "
+        "perturbation)",
+        audit.perturbation);
   throw EnginesDisagree(text);
 }
 
@@ -49,10 +54,11 @@ Topology run_engine(const EngineOptions& engine, const ScalarField& field,
     label_by_streamlines(field, complex, topology, execution);
     put_morse(sections, complex, nullptr);
   } else {
-    const Audit result = audit(field, topology, complex, execution);
+    const Audit result = audit(field, topology, complex, execution, engine.audit);
     if (!result.disagreements.empty()) throw_disagreement(result);
     adopt_labels(result, complex, topology);
     put_morse(sections, complex, &result);
+    if (!result.agreed()) return topology;
   }
   topology.engine = to_string(engine.engine);
   return topology;

@@ -43,7 +43,6 @@ MorseComplex morse_complex(const ScalarField& field, const MorseOptions& options
   SubdivisionOptions subdivision;
   subdivision.box = options.box;
   subdivision.max_depth = options.max_depth;
-  subdivision.seeds = options.seeds;
   CriticalPoints found = find_critical_points(field, subdivision, execution);
   complex.points = std::move(found.points);
   std::stable_sort(

@@ -24,6 +24,13 @@ struct MorseSet {
   std::uint64_t maxima = 0, saddles2 = 0, saddles1 = 0, minima = 0;
   std::uint32_t highest = 0;  // index of its highest maximum
 
+  void add(CriticalType type) {
+    maxima += type == CriticalType::kMaximum;
+    saddles2 += type == CriticalType::kSaddle2;
+    saddles1 += type == CriticalType::kSaddle1;
+    minima += type == CriticalType::kMinimum;
+  }
+
   // The Euler characteristic of the component, by Morse theory for -F: each maximum begins a piece,
   // a 2-saddle adds a handle, a 1-saddle a membrane, a minimum fills a cavity.
   std::int64_t euler() const {
@@ -67,8 +74,7 @@ struct MorseComplex {
 struct MorseOptions {
   Box box;
   int max_depth = 24;
-  std::vector<Imath::V3d> seeds;  // see SubdivisionOptions
-  bool paths = false;             // keep the separatrices' paths
+  bool paths = false;  // keep the separatrices' paths
   // Look at F plus a linear term that is at most this on the box, which makes a field with ridges
   // or plateaus a Morse function (see perturbed_field.h). Values and sets are then of that field.
   double perturbation = 0.0;

@@ -47,8 +47,14 @@ json audit_json(const Audit& audit) {
   json disagreements = json::array();
   for (const Audit::Disagreement& d : audit.disagreements)
     disagreements.push_back({{"place", vector_json(d.place)}, {"what", d.what}});
-  return {{"conclusive", audit.conclusive}, {"agreed", audit.agreed()}, {"reasons", audit.reasons},
-          {"disagreements", disagreements}, {"euler", audit.euler},     {"seconds", audit.seconds}};
+  json euler_by = json::array();
+  if (!audit.euler.empty()) euler_by.push_back("octree");
+  if (audit.euler_by_mesh) euler_by.push_back("mesh");
+  return {{"verdict", audit.verdict()},         {"agreed", audit.agreed()},
+          {"conclusive", audit.conclusive},     {"reasons", audit.reasons},
+          {"disagreements", disagreements},     {"euler", audit.euler},
+          {"euler_compared_with", euler_by},    {"mesh_asked", audit.mesh_asked},
+          {"perturbation", audit.perturbation}, {"seconds", audit.seconds}};
 }
 
 json meta_of(const MorseComplex& complex, const Audit* audit) {
@@ -105,11 +111,9 @@ void read_points(const Sections& sections, std::size_t components, std::string_v
     complex.points.push_back(p);
     if (p.set == kNoSet) continue;
     MorseSet& set = complex.sets[p.set];
-    if (p.type == CriticalType::kMaximum && set.maxima++ == 0)
+    if (p.type == CriticalType::kMaximum && set.maxima == 0)
       set.highest = static_cast<std::uint32_t>(i);
-    set.saddles2 += p.type == CriticalType::kSaddle2;
-    set.saddles1 += p.type == CriticalType::kSaddle1;
-    set.minima += p.type == CriticalType::kMinimum;
+    set.add(p.type);
   }
   for (std::uint32_t s = 0; s < complex.sets.size(); ++s)
     if (complex.main == kNoSet || complex.sets[s].maxima > complex.sets[complex.main].maxima)

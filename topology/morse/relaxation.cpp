@@ -86,7 +86,9 @@ std::vector<CertifiedZero> relax_seeds(const ScalarField& field, const Box& box,
   const double reach = kReach * longest_side(box);
   std::vector<std::optional<Imath::V3d>> ends(seeds.size());
   tbb::parallel_for(std::size_t{0}, seeds.size(), [&](std::size_t i) {
-    if (!box.intersects(seeds[i])) return;
+    if (!Eigen::Vector3d(seeds[i].x, seeds[i].y, seeds[i].z).allFinite() ||
+        !box.intersects(seeds[i]))
+      return;
     const Box bounds = around(seeds[i], reach);
     const auto local = field.restricted_to(bounds);
     const auto end = newton(*local, relax(*local, seeds[i], bounds), bounds, kNewtonSteps);

@@ -39,11 +39,7 @@ void segment(MorseComplex& complex, const std::vector<std::uint32_t>& ends) {
                                                                      : ends[i];
     p.set = maximum == Separatrix::kNoMaximum ? kNoSet : set_of[maximum];
     if (p.set == kNoSet) continue;
-    MorseSet& set = complex.sets[p.set];
-    set.maxima += p.type == CriticalType::kMaximum;
-    set.saddles2 += p.type == CriticalType::kSaddle2;
-    set.saddles1 += p.type == CriticalType::kSaddle1;
-    set.minima += p.type == CriticalType::kMinimum;
+    complex.sets[p.set].add(p.type);
   }
   complex.main = kNoSet;
   for (std::uint32_t s = 0; s < complex.sets.size(); ++s)

@@ -115,14 +115,15 @@ Streamline StreamlineTracer::ascend(const Imath::V3d& start, const StreamlineOpt
       if (i < kSamples)
         stepper.calc_state(
             interval.first + (interval.second - interval.first) * i / double{kSamples}, s);
+      if (!box_.intersects(vector(s))) {
+        line.last = vector(s);
+        line.end = StreamlineEnd::kLeftBox;
+        return line;
+      }
       record(vector(s));
       if (arrived(vector(s))) return line;
     }
     line.last = next;
-    if (!box_.intersects(next)) {
-      line.end = StreamlineEnd::kLeftBox;
-      return line;
-    }
     value = jet(next).value;
   }
   line.end = StreamlineEnd::kStepLimit;

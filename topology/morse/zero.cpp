@@ -74,7 +74,10 @@ CertifiedZero refine_zero(const ScalarField& field, const Box& unique, const Box
   if (const auto x = newton(field, centre(start), unique, kNewtonSteps)) {
     const double size = largest(unique.max - unique.min) + largest(*x);
     for (double r = 1e-14 * size; r < 1e-4 * size && !enclosed; r *= 32.0) {
-      const Krawczyk k = krawczyk_on(field, Box(*x - Imath::V3d(r), *x + Imath::V3d(r)));
+      const Box around(*x - Imath::V3d(r), *x + Imath::V3d(r));
+      // Beyond `unique` the field need not be known.
+      if (!within(around, unique)) break;
+      const Krawczyk k = krawczyk_on(field, around);
       models += 2;
       if (k.zeros != ZeroCount::kOne || !within(k.enclosure, unique)) continue;
       zero.enclosure = k.enclosure;

@@ -19,11 +19,11 @@ struct CertifiedZero {
 // The Krawczyk operator on `box` with grad F enclosed at its very centre (two models).
 Krawczyk krawczyk_on(const ScalarField& field, const Box& box);
 
-// Given a box with exactly one zero: Newton's iteration (equation 10 of Gamito & Maddock) from the
-// middle of `start`, then the smallest enclosure about its end that the Krawczyk operator proves;
-// where Newton leaves, the operator itself contracts `start`. The point is classified over the
-// enclosure; `point.set` and `point.basin` are left alone. `models` is increased by the models
-// evaluated.
+// Given a box with exactly one zero, and a field that need be known in that box only: Newton's
+// iteration (equation 10 of Gamito & Maddock) from the middle of `start`, then the smallest
+// enclosure about its end that the Krawczyk operator proves; where Newton leaves, the operator
+// itself contracts `start`. The point is classified over the enclosure; `point.set` and
+// `point.basin` are left alone. `models` is increased by the models evaluated.
 CertifiedZero refine_zero(const ScalarField& field, const Box& unique, const Box& start,
                           std::uint64_t& models);
 
