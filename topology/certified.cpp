@@ -45,6 +45,17 @@ MemoryLimit::MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes)
                                      "allow: allow more memory, a smaller box or a lower max_depth",
                                      nodes, max_bytes >> 20)) {}
 
+NotFinite::NotFinite(const Imath::V3d& place, double value)
+    : std::runtime_error(
+          std::isfinite(value)
+              ? fmt::format(
+                    "near ({:.6g}, {:.6g}, {:.6g}) the field is {:.6g}, but no bounds of it "
+                    "are known however small a box: its parameters are too large",
+                    place.x, place.y, place.z, value)
+              : fmt::format("the field is not finite at ({:.6g}, {:.6g}, {:.6g}) but {}: its "
+                            "parameters are too large",
+                            place.x, place.y, place.z, value)) {}
+
 Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution) {
   if (options.min_depth < 0 || options.max_depth > kMaxDepth ||

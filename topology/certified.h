@@ -44,6 +44,11 @@ struct MemoryLimit : std::runtime_error {
   MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes);
 };
 
+// Raised where the field, or what its models say of it, is not finite: no subdivision would end.
+struct NotFinite : std::runtime_error {
+  NotFinite(const Imath::V3d& place, double value);  // value: F there
+};
+
 struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("cancelled") {}
 };
@@ -77,7 +82,7 @@ struct Topology {
 
 // Labels the components of {F >= 0} within the box by the monotone retraction cascade: see
 // topology/README.md for the method and its proof. The result does not depend on the number of
-// threads. Throws Cancelled and MemoryLimit.
+// threads. Throws Cancelled, MemoryLimit and NotFinite.
 Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution = {});
 

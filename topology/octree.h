@@ -26,9 +26,9 @@ inline constexpr std::uint32_t kNoComponent = 0xffffffffu;
 struct OctreeNode {
   std::uint32_t first_child = 0;  // 0: a leaf. Otherwise the index of the first of 8 children.
   std::uint32_t component = kNoComponent;
-  std::uint16_t faces = 0;   // two bits of Content a face; see face_content
-  std::uint8_t content = 0;  // Content of the leaf
-  std::uint8_t reserved = 0;
+  std::uint16_t faces = 0;    // two bits of Content a face; see face_content
+  std::uint8_t content = 0;   // Content of the leaf
+  std::uint8_t reserved = 0;  // 0 but in coarsened octrees: see coarsen.h
 
   bool is_leaf() const { return first_child == 0; }
   Content cell_content() const { return static_cast<Content>(content); }

@@ -19,17 +19,28 @@ struct Jet {
   double hessian[6] = {};
 };
 
-// A scalar field F: R^3 -> R, twice continuously differentiable. Its surface is F = 0 and its
-// solid is S = {F >= 0}. This is all that topology knows of a field. Fields are immutable; every
-// method may be called from several threads at once.
+// How far value() and jet() may be off: see there.
+inline constexpr double kFieldAccuracy = 1e-13;
+
+// A scalar field F: R^3 -> R, twice continuously differentiable and finite. Its surface is F = 0
+// and its solid is S = {F >= 0}. This is all that topology knows of a field. Fields are immutable;
+// every method may be called from several threads at once.
+//
+// Proofs of topology rest on model() alone, whose bounds include rounding. value() and jet() give
+// the numbers of ordinary floating point, without a bound of their own; what relies on their
+// accuracy relies on the convention stated with them, which implementations are to keep.
 class ScalarField {
  public:
   virtual ~ScalarField() = default;
 
-  // F at `x`, to within rounding (about 1e-14 of the field's own size).
+  // F at `x`: within kFieldAccuracy (1 + M) of F at some point whose coordinates are at most four
+  // units in the last place from those of x, where M is the size of the largest number that F is
+  // put together from there (without cancellation, |F| itself).
   virtual double value(const Imath::V3d& x) const = 0;
 
-  // F with first and second derivatives at `x`, to within rounding.
+  // F with first and second derivatives at `x`. The value as value()'s, though perhaps rounded
+  // otherwise; each slope likewise with M the largest slope that it is put together from. Second
+  // derivatives: to within rounding, no figure is promised.
   virtual Jet jet(const Imath::V3d& x) const = 0;
 
   // A cubic polynomial about the box's centre with bounds on its distance from F that hold

@@ -18,6 +18,8 @@ namespace {
 // stealing.
 constexpr int kTreeDepth = 4;
 constexpr unsigned kAllChildren = 0xffu;
+// Wide boxes may be without bounds, but not such parts of the whole.
+constexpr int kBoundedDepth = 10;
 
 bool may_hold_surface(Content content) {
   return content == Content::kConnected || content == Content::kUndecided;
@@ -60,8 +62,15 @@ bool TreeBuilder::must_divide(Content content, int depth) const {
           (content == Content::kUndecided && depth < options_.max_depth));
 }
 
+void TreeBuilder::check_finite(const Box& cell, int depth, double value_error) const {
+  if (std::isfinite(value_error)) return;
+  const double value = field_.value(centre(cell));
+  if (!std::isfinite(value) || depth >= kBoundedDepth) throw NotFinite(centre(cell), value);
+}
+
 void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
                          std::vector<OctreeNode>& nodes, std::uint32_t index) {
+  check_cancel();
   ModelBatch batch;
   BatchContent content;
   local.child_models(cell, kAllChildren, batch);
@@ -83,6 +92,7 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
   for (unsigned i = 0; i < 8; ++i) {
     if ((divided >> i) & 1u) {
       const Box child = child_box(cell, static_cast<int>(i));
+      check_finite(child, depth + 1, batch.value_error[i]);
       divide(*local.restricted_to(child), child, depth + 1, nodes, first + i);
     } else if ((surface >> i) & 1u) {
       nodes[first + i].content = static_cast<std::uint8_t>(content.cell[i]);
@@ -227,7 +237,9 @@ Forest TreeBuilder::plan() {
     bool ends = cell.depth == kTreeDepth;
     if (!ends) {
       models_.fetch_add(1, std::memory_order_relaxed);
-      ends = !must_divide(classify(field_.model(cell.box)), cell.depth);
+      const LocalModel model = field_.model(cell.box);
+      ends = !must_divide(classify(model), cell.depth);
+      if (!ends) check_finite(cell.box, cell.depth, model.value_error);
     }
     if (ends) {
       forest.upper[node].tree = static_cast<std::uint32_t>(forest.trees.size());

@@ -22,7 +22,7 @@ class TreeBuilder {
       : field_(field), box_(box), options_(options), execution_(execution) {}
 
   // The whole octree: nothing is undecided above the depth limit, neither cells nor faces. Throws
-  // Cancelled and MemoryLimit.
+  // Cancelled, MemoryLimit and NotFinite.
   Forest build();
 
   std::uint64_t models() const { return models_; }
@@ -42,6 +42,9 @@ class TreeBuilder {
   // The same for faces between trees.
   void resolve_between(Forest& forest);
   bool must_divide(Content content, int depth) const;
+  // Throws NotFinite where F, or all bounds of it, are not, given the error bound of the cell's
+  // model.
+  void check_finite(const Box& cell, int depth, double value_error) const;
   void check_cancel() const;
   void charge(const Tree& tree, std::size_t nodes_before);
   void report(double volume);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/embree/geometry.h"
 
+#include <cstddef>
+
 #include "hypertexture_geom/c_api/call.h"
 #include "hypertexture_geom/c_api/objects.h"
 #include "topology/components.h"
@@ -8,10 +10,39 @@
 namespace morsel::c_api {
 namespace {
 
-constexpr std::size_t kGeometryOptionsV1 = sizeof(MorselGeometryOptions);
+constexpr std::size_t kGeometryOptionsV1 = offsetof(MorselGeometryOptions, solver);
 constexpr std::size_t kGeometryInfoV1 = sizeof(MorselGeometryInfo);
 constexpr std::size_t kShadingV1 = sizeof(MorselShading);
 constexpr std::size_t kDetailV1 = sizeof(MorselDetail);
+
+geom::Solver solver_of(const MorselGeometryOptions& options) {
+  switch (options.solver) {
+    case MORSEL_SOLVER_MODEL:
+      return geom::Solver::kModel;
+    case MORSEL_SOLVER_SEGMENT:
+      return geom::Solver::kSegment;
+    case MORSEL_SOLVER_SPHERE:
+      return geom::Solver::kSphere;
+    default:
+      bad_argument("solver is " + std::to_string(options.solver) +
+                   ", none of MORSEL_SOLVER_MODEL, MORSEL_SOLVER_SEGMENT, MORSEL_SOLVER_SPHERE");
+  }
+}
+
+geom::Membership membership_of(const MorselGeometryOptions& options) {
+  switch (options.membership) {
+    case MORSEL_MEMBERSHIP_LABELS:
+      return geom::Membership::kLabels;
+    case MORSEL_MEMBERSHIP_STREAMLINE:
+      return geom::Membership::kStreamline;
+    case MORSEL_MEMBERSHIP_OFF:
+      return geom::Membership::kOff;
+    default:
+      bad_argument("membership is " + std::to_string(options.membership) +
+                   ", none of MORSEL_MEMBERSHIP_LABELS, MORSEL_MEMBERSHIP_STREAMLINE, "
+                   "MORSEL_MEMBERSHIP_OFF");
+  }
+}
 
 void require_primitive(const geom::HypertextureGeometry& geometry, uint32_t prim_id) {
   const std::uint64_t count = geometry.statistics().bricks;
@@ -44,10 +75,15 @@ MorselResult morsel_create_geometry(MorselField field, MorselTopology topology,
                    std::to_string(kMostThreads));
     morsel::geom::GeometryOptions r;
     r.keep = o.keep ? morsel::topology::KeepRule::parse(o.keep) : f->hypertexture.keep;
+    r.solver = solver_of(o);
+    r.membership = membership_of(o);
     if (o.far_distance > 0.0) r.far_distance = o.far_distance;
     auto object = std::make_shared<GeometryObject>();
-    object->kept = morsel::topology::kept_components(r.keep, t->cache->topology.components,
-                                                     t->cache->topology.octree());
+    const morsel::topology::Topology& labels = t->cache->topology;
+    object->kept =
+        r.membership == morsel::geom::Membership::kOff
+            ? std::vector<bool>(labels.components.size(), true)
+            : morsel::topology::kept_components(r.keep, labels.components, labels.octree());
     on_threads(o.threads, [&] {
       object->geometry = std::make_unique<HypertextureGeometry>(f->hypertexture.field, t->cache, r);
     });

@@ -10,6 +10,7 @@
 #include "hypertexture_geom/c_api/handle.h"
 #include "hypertexture_geom/embree/surface_query.h"
 #include "hypertexture_geom/field/field.h"
+#include "topology/morse/critical_point.h"
 
 // What the handles of the C API stand for.
 namespace morsel::c_api {
@@ -23,6 +24,7 @@ struct FieldObject {
 struct TopologyObject {
   static constexpr Kind kKind = Kind::kTopology;
   std::shared_ptr<const topology::TopologyCache> cache;
+  std::vector<topology::CriticalPoint> critical_points;  // empty where they were not asked for
   std::uint64_t bytes = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "hypertexture_geom/c_api/call.h"
 #include "hypertexture_geom/c_api/objects.h"
 #include "topology/cache_file.h"
+#include "topology/morse/morse_sections.h"
 
 namespace morsel::c_api {
 namespace {
@@ -17,15 +19,36 @@ namespace {
 namespace fs = std::filesystem;
 using topology::TopologyCache;
 
-constexpr std::size_t kBuildOptionsV1 = sizeof(MorselBuildOptions);
-constexpr std::size_t kTopologyInfoV1 = sizeof(MorselTopologyInfo);
+constexpr std::size_t kBuildOptionsV1 = offsetof(MorselBuildOptions, engine);
+constexpr std::size_t kTopologyInfoV1 = offsetof(MorselTopologyInfo, critical_points);
 constexpr std::size_t kComponentV1 = sizeof(MorselComponent);
+constexpr std::size_t kCriticalPointV1 = sizeof(MorselCriticalPoint);
+static_assert(MORSEL_CRITICAL_DEGENERATE ==
+              static_cast<unsigned>(topology::CriticalType::kDegenerate));
+static_assert(MORSEL_NO_COMPONENT == topology::kNoSet);
 
-std::shared_ptr<TopologyObject> object_with(TopologyCache cache) {
+// `name` is for errors.
+std::shared_ptr<TopologyObject> object_with(TopologyCache cache, const std::string& name) {
   auto object = std::make_shared<TopologyObject>();
+  if (auto morse = topology::get_morse(cache.sections, cache.topology.components.size(), name))
+    object->critical_points = std::move(morse->points);
   object->bytes = cache.bytes;
   object->cache = std::make_shared<const TopologyCache>(std::move(cache));
   return object;
+}
+
+topology::Engine engine_of(const MorselBuildOptions& options) {
+  switch (options.engine) {
+    case MORSEL_ENGINE_CERTIFIED:
+      return topology::Engine::kCertified;
+    case MORSEL_ENGINE_MORSE:
+      return topology::Engine::kMorse;
+    case MORSEL_ENGINE_BOTH:
+      return topology::Engine::kBoth;
+    default:
+      bad_argument("engine is " + std::to_string(options.engine) +
+                   ", none of MORSEL_ENGINE_CERTIFIED, MORSEL_ENGINE_MORSE, MORSEL_ENGINE_BOTH");
+  }
 }
 
 TopologyCache build(const geom::Hypertexture& hypertexture, const MorselBuildOptions& options) {
@@ -42,8 +65,20 @@ TopologyCache build(const geom::Hypertexture& hypertexture, const MorselBuildOpt
     };
   if (cancel) throw topology::Cancelled();
   TopologyCache cache;
-  on_threads(options.threads, [&] { cache = geom::build_cache(hypertexture, execution); });
+  on_threads(options.threads,
+             [&] { cache = geom::build_cache(hypertexture, execution, engine_of(options)); });
   return cache;
+}
+
+// Of functions that copy a part of a table of `size` entries, which are `stride` bytes apart.
+void require_range(const char* stride_name, size_t stride, size_t least_stride, size_t first,
+                   size_t count, size_t size) {
+  if (stride < least_stride)
+    bad_argument(std::string(stride_name) + " is " + std::to_string(stride) + ", less than " +
+                 std::to_string(least_stride));
+  if (first > size || count > size - first)
+    bad_argument("entries " + std::to_string(first) + " and the " + std::to_string(count) +
+                 " from there are not all within the table of " + std::to_string(size));
 }
 
 // Before the work, not after it.
@@ -66,7 +101,8 @@ MorselResult morsel_build_topology(MorselField field, const MorselBuildOptions* 
   return call(field, [&] {
     const auto object = shared_object_of<FieldObject>(field);
     require(topology, "topology");
-    give(object_with(build(object->hypertexture, read_options(options, kBuildOptionsV1))),
+    give(object_with(build(object->hypertexture, read_options(options, kBuildOptionsV1)),
+                     "the topology"),
          topology);
   });
 }
@@ -76,7 +112,8 @@ MorselResult morsel_load_topology(MorselField field, const char* path, MorselTop
     const auto& object = object_of<FieldObject>(field);
     require(path, "path");
     require(topology, "topology");
-    give(object_with(morsel::topology::read_cache_of(path, object.hypertexture.hash)), topology);
+    give(object_with(morsel::topology::read_cache_of(path, object.hypertexture.hash), path),
+         topology);
   });
 }
 
@@ -89,13 +126,14 @@ MorselResult morsel_open_topology(MorselField field, const char* path,
     const MorselBuildOptions o = read_options(options, kBuildOptionsV1);
     std::error_code error;
     if (std::filesystem::status(path, error).type() != std::filesystem::file_type::not_found) {
-      give(object_with(morsel::topology::read_cache_of(path, object->hypertexture.hash)), topology);
+      give(object_with(morsel::topology::read_cache_of(path, object->hypertexture.hash), path),
+           topology);
       return;
     }
     require_writable_folder(path);
     TopologyCache cache = build(object->hypertexture, o);
     morsel::topology::write_cache(cache, path);
-    give(object_with(std::move(cache)), topology);
+    give(object_with(std::move(cache), path), topology);
   });
 }
 
@@ -136,6 +174,7 @@ MorselResult morsel_topology_info(MorselTopology topology, MorselTopologyInfo* i
     r.seconds = object.cache->seconds;
     store(t.box.min, r.lower);
     store(t.box.max, r.upper);
+    r.critical_points = object.critical_points.size();
     write_struct(r, info, kTopologyInfoV1);
   });
 }
@@ -144,12 +183,7 @@ MorselResult morsel_topology_components(MorselTopology topology, size_t first, s
                                         size_t component_size, MorselComponent* components) {
   return call(topology, [&] {
     const auto& table = object_of<TopologyObject>(topology).cache->topology.components;
-    if (component_size < kComponentV1)
-      bad_argument("component_size is " + std::to_string(component_size) + ", less than " +
-                   std::to_string(kComponentV1));
-    if (first > table.size() || count > table.size() - first)
-      bad_argument("components " + std::to_string(first) + " and the " + std::to_string(count) +
-                   " from there are not all within the table of " + std::to_string(table.size()));
+    require_range("component_size", component_size, kComponentV1, first, count, table.size());
     if (count == 0) return;
     require(components, "components");
     auto* out = reinterpret_cast<char*>(components);
@@ -163,6 +197,29 @@ MorselResult morsel_topology_components(MorselTopology topology, size_t first, s
       r.cells = c.cells;
       store(c.seed, r.seed);
       std::memcpy(out, &r, std::min(component_size, sizeof r));
+    }
+  });
+}
+
+MorselResult morsel_topology_critical_points(MorselTopology topology, size_t first, size_t count,
+                                             size_t point_size, MorselCriticalPoint* points) {
+  return call(topology, [&] {
+    const auto& all = object_of<TopologyObject>(topology).critical_points;
+    require_range("point_size", point_size, kCriticalPointV1, first, count, all.size());
+    if (count == 0) return;
+    require(points, "points");
+    auto* out = reinterpret_cast<char*>(points);
+    for (size_t i = 0; i < count; ++i, out += point_size) {
+      const morsel::topology::CriticalPoint& p = all[first + i];
+      MorselCriticalPoint r{};
+      store(p.position, r.position);
+      r.radius = p.radius;
+      r.value = p.value;
+      store(p.eigenvalues, r.eigenvalues);
+      store(p.axis, r.axis);
+      r.type = static_cast<uint32_t>(p.type);
+      r.component = p.set;
+      std::memcpy(out, &r, std::min(point_size, sizeof r));
     }
   });
 }

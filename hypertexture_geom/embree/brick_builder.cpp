@@ -10,6 +10,7 @@
 
 #include "hypertexture_geom/embree/brick_model.h"
 #include "topology/certified.h"
+#include "topology/coarsen.h"
 
 namespace morsel::geom {
 namespace {
@@ -45,7 +46,7 @@ const BrickBuilder::Content& BrickBuilder::examine(std::uint32_t node) {
     const bool undecided = n.cell_content() == topology::Content::kUndecided;
     if (undecided || n.cell_content() == topology::Content::kConnected) {
       if (undecided || (n.component < kept_.size() && kept_[n.component]))
-        c = {1, n.component, !undecided, 0};
+        c = {1, n.component, !undecided, topology::merged_levels(n)};
       else
         c.pure = false;
     }
@@ -89,7 +90,11 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   if (c.height <= options_.block_levels) {
     fill(place, *own, part);
     if (part.bricks.empty()) return part;
-    part.blocks.push_back(std::make_unique<CompiledField<double>>(*own, box));
+    // The surface seldom fills its block: terms that do not reach the bricks are left out.
+    topology::Box bricks;
+    for (const Brick& b : part.bricks) bricks.extendBy(set_.box(b));
+    part.blocks.push_back(
+        std::make_unique<CompiledField<double>>(*own, inflated(bricks, set_.margin_)));
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;
@@ -116,10 +121,15 @@ void BrickBuilder::fill(const Place& place, const topology::ScalarField& field, 
   const bool mergeable =
       in_leaf || (!options_.slope_ranges && c.pure && c.height <= options_.merge_levels);
   if (mergeable && make_brick(place, field, part) != Made::kTooCoarse) return;
+  // Models of the parts are made of the terms that reach this cell: choosing those once is cheaper
+  // than to pass over the others eight times.
+  const double slack = 2.0 * BrickSet::kSlack * set_.sizes_[place.depth].x;
+  const std::unique_ptr<topology::ScalarField> own =
+      field.restricted_to(inflated(box_of(place), std::max(set_.margin_, slack)));
   for (std::uint32_t i = 0; i < 8; ++i) {
     Place child = child_of(place, in_leaf ? place.node : n.first_child + i, i);
     if (in_leaf) child.below_leaf = place.below_leaf + 1;
-    fill(child, field, part);
+    fill(child, *own, part);
   }
 }
 
@@ -146,9 +156,11 @@ BrickBuilder::Made BrickBuilder::make_brick(const Place& place, const topology::
   }
   using namespace topology::monomial;
   const float change = std::abs(b.c[kX]) + std::abs(b.c[kY]) + std::abs(b.c[kZ]);
-  const bool splittable = !octree_.nodes[place.node].is_leaf() ||
-                          (place.below_leaf < options_.split_levels &&
-                           place.depth < static_cast<std::uint32_t>(topology::kMaxDepth));
+  const bool splittable =
+      !octree_.nodes[place.node].is_leaf() ||
+      (place.below_leaf <
+           options_.split_levels + topology::merged_levels(octree_.nodes[place.node]) &&
+       place.depth < static_cast<std::uint32_t>(topology::kMaxDepth));
   const bool coarse =
       b.value_error - b.rounding > static_cast<float>(options_.error_ratio) * change;
   if (coarse && splittable) return Made::kTooCoarse;

@@ -99,7 +99,7 @@ class BrickSet {
     // Else a brick is the largest cell, up to merge_levels above a leaf, whose model's error is
     // below this share of the change of F across half of it; leaves are halved, up to split_levels
     // times, while it is not.
-    double error_ratio = 0.03;
+    double error_ratio = 0.04;
     int merge_levels = 2;
     int split_levels = 1;
   };

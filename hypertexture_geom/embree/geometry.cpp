@@ -9,6 +9,7 @@
 #include "hypertexture_geom/embree/lipschitz.h"
 #include "hypertexture_geom/embree/spawn.h"
 #include "hypertexture_geom/embree/sphere_surface.h"
+#include "topology/coarsen.h"
 #include "topology/components.h"
 
 namespace morsel::geom {
@@ -39,11 +40,30 @@ double diameter_of(const topology::Box& box) {
   return box.isEmpty() ? 0.0 : (box.max - box.min).length();
 }
 
-std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::TopologyCache& cache,
-                                         const std::vector<bool>& keep,
+// Cells that one brick may serve, see BrickSet::Options, need not be told apart.
+constexpr int kMergeLevels = 2;
+
+// From this many cells of kept components on, memory counts more than the time of evaluations:
+// bricks may then err by more before they are divided, and more of them share a block's field.
+constexpr std::uint64_t kManyCells = 2'000'000;
+constexpr double kCoarseErrorRatio = 0.1;
+constexpr int kWideBlockLevels = 6;
+
+// What rays need of the octree.
+std::vector<topology::OctreeNode> octree_for_rays(const topology::TopologyCache& cache,
+                                                  const std::vector<bool>& keep,
+                                                  const GeometryOptions& options) {
+  // The paper's filter is to tell components apart by itself.
+  const std::vector<bool> all(keep.size(), true);
+  return topology::coarsened(cache.topology.nodes,
+                             options.membership == Membership::kStreamline ? all : keep,
+                             options.solver == Solver::kSegment ? 0 : kMergeLevels);
+}
+
+std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box& box,
+                                         const topology::OctreeView& octree,
+                                         const std::vector<bool>& keep, std::uint64_t cells,
                                          const GeometryOptions& options) {
-  const topology::Box box = bounds_of(cache, keep);
-  const topology::OctreeView octree = cache.topology.octree();
   const double diameter = diameter_of(box);
   const bool streamline = options.membership == Membership::kStreamline;
   std::unique_ptr<RaySurface> surface;
@@ -58,10 +78,14 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Top
     const double lipschitz = lipschitz_bound(field, all);
     surface = std::make_unique<SphereSurface>(field, all, lipschitz, kTolerance * diameter);
   } else {
-    // The paper's filter is to tell components apart by itself.
-    const std::vector<bool> all(keep.size(), true);
-    const BrickSet::Options bricks{.margin = kMargin * diameter,
-                                   .slope_ranges = options.solver == Solver::kSegment};
+    const std::vector<bool> all(keep.size(), true);  // see octree_for_rays
+    BrickSet::Options bricks{.margin = kMargin * diameter,
+                             .slope_ranges = options.solver == Solver::kSegment,
+                             .merge_levels = kMergeLevels};
+    if (cells > kManyCells) {
+      bricks.error_ratio = kCoarseErrorRatio;
+      bricks.block_levels = kWideBlockLevels;
+    }
     surface = std::make_unique<BrickSurface>(
         BrickSet(field, octree, streamline ? all : keep, bricks), field, kTolerance * diameter);
   }
@@ -79,20 +103,27 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Top
 
 struct HypertextureGeometry::Impl {
   std::shared_ptr<const Field> field;
-  std::shared_ptr<const topology::TopologyCache> cache;
+  std::vector<topology::Component> components;
   std::vector<bool> keep;
+  std::vector<topology::OctreeNode> octree;  // the cache's, coarsened
   double diameter;
   std::unique_ptr<const RaySurface> surface;
   topology::Box bounds;
   CallbackData callback_data;
 
-  Impl(std::shared_ptr<const Field> f, std::shared_ptr<const topology::TopologyCache> c,
+  Impl(std::shared_ptr<const Field> f, std::shared_ptr<const topology::TopologyCache> cache,
        const GeometryOptions& options)
       : field(std::move(f)),
-        cache(std::move(c)),
+        components(cache->topology.components),
         keep(kept(*cache, options)),
-        diameter(diameter_of(bounds_of(*cache, keep))),
-        surface(make_surface(*field, *cache, keep, options)) {
+        octree(octree_for_rays(*cache, keep, options)) {
+    const topology::Box kept_bounds = bounds_of(*cache, keep), root = cache->topology.box;
+    cache.reset();  // perhaps the last to hold it, and large: bricks need the memory
+    diameter = diameter_of(kept_bounds);
+    std::uint64_t cells = 0;
+    for (std::size_t i = 0; i < keep.size(); ++i)
+      if (keep[i]) cells += components[i].cells;
+    surface = make_surface(*field, kept_bounds, {root, octree}, keep, cells, options);
     for (std::uint32_t i = 0; i < surface->size(); ++i) bounds.extendBy(surface->bounds(i));
     callback_data = {surface.get(), padding(options.far_distance)};
   }
@@ -191,7 +222,7 @@ std::uint32_t HypertextureGeometry::component_at(std::uint32_t brick,
 }
 
 std::uint32_t HypertextureGeometry::main_component() const {
-  return topology::main_component(impl_->cache->topology.components);
+  return topology::main_component(impl_->components);
 }
 
 topology::Box HypertextureGeometry::bounds() const { return impl_->bounds; }
@@ -215,6 +246,8 @@ GeometryStatistics HypertextureGeometry::statistics() const {
 
 const Field& HypertextureGeometry::field() const { return *impl_->field; }
 
-const topology::TopologyCache& HypertextureGeometry::cache() const { return *impl_->cache; }
+const std::vector<topology::Component>& HypertextureGeometry::components() const {
+  return impl_->components;
+}
 
 }  // namespace morsel::geom

@@ -49,6 +49,7 @@ struct CreateOptions {
 // Immutable after construction and shared by all instances.
 class HypertextureGeometry {
  public:
+  // Takes from the cache what rays need (topology/coarsen.h), and does not keep it.
   HypertextureGeometry(std::shared_ptr<const Field> field,
                        std::shared_ptr<const topology::TopologyCache> cache,
                        const GeometryOptions& options);
@@ -95,7 +96,7 @@ class HypertextureGeometry {
   double tolerance() const;
   GeometryStatistics statistics() const;
   const Field& field() const;
-  const topology::TopologyCache& cache() const;
+  const std::vector<topology::Component>& components() const;  // the topology's table
 
  private:
   struct Impl;

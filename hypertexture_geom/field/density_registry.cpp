@@ -23,13 +23,19 @@ using params::Type;
 
 Parameter type(const char* name) { return {"type", Type::kString, name, "Kind of density."}; }
 
-Parameter centre() { return {"center", Type::kVector3, {0.0, 0.0, 0.0}, "Centre.", "length"}; }
+Parameter coordinates(const char* name, nlohmann::json default_value, const char* help,
+                      const char* unit) {
+  return {name, Type::kVector3,     std::move(default_value), help,
+          unit, -params::kFarthest, params::kFarthest};
+}
+
+Parameter centre() { return coordinates("center", {0.0, 0.0, 0.0}, "Centre.", "length"); }
 
 Parameter smoothing(const char* help) {
   return {"smoothing", Type::kNumber, 0.01, help, "length", 1e-6, 1e6};
 }
 
-Parameter axis(const char* help) { return {"axis", Type::kVector3, {0.0, 1.0, 0.0}, help}; }
+Parameter axis(const char* help) { return coordinates("axis", {0.0, 1.0, 0.0}, help, ""); }
 
 Parameter crown(const char* help) { return {"crown", Type::kNumber, 0.1, help, "", 0.0, 1.0}; }
 
@@ -126,8 +132,8 @@ DensityEntry capsule() {
   return {{"capsule",
            "Segment with a radius.",
            {type("capsule"),
-            {"start", Type::kVector3, {-1.0, 0.0, 0.0}, "One end of the segment.", "length"},
-            {"end", Type::kVector3, {1.0, 0.0, 0.0}, "The other end.", "length"},
+            coordinates("start", {-1.0, 0.0, 0.0}, "One end of the segment.", "length"),
+            coordinates("end", {1.0, 0.0, 0.0}, "The other end.", "length"),
             {"radius", Type::kNumber, 0.5, "Distance of the surface from the segment.", "length",
              0.0, 1e6, true},
             smoothing("Rounds the core and the passage into the caps; below half the radius."),

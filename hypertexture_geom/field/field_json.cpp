@@ -3,6 +3,7 @@
 #include <xxhash.h>
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -62,8 +63,10 @@ const params::Declaration& bounds_declaration() {
   static const params::Declaration declaration{
       "bounds",
       "Box in object space that the topology is computed in.",
-      {{.name = "min", .type = Type::kVector3, .help = "Lower corner.", .unit = "length"},
-       {.name = "max", .type = Type::kVector3, .help = "Upper corner.", .unit = "length"}}};
+      {{"min", Type::kVector3, nullptr, "Lower corner.", "length", -params::kFarthest,
+        params::kFarthest},
+       {"max", Type::kVector3, nullptr, "Upper corner.", "length", -params::kFarthest,
+        params::kFarthest}}};
   return declaration;
 }
 
@@ -76,6 +79,21 @@ Box read_bounds(const json& value, const Place& place) {
           fmt::format("min must be below max on every axis, but on axis {} they are {} and {}",
                       "xyz"[axis], box.min[axis], box.max[axis]));
   return box;
+}
+
+// Parameters within their ranges can still multiply up to more than a double holds: said here,
+// once, rather than by each who evaluates the field.
+void check_finite(const topology::ScalarField& field, const Box& box, const Place& place) {
+  for (int i = -1; i < 8; ++i) {
+    Imath::V3d x = topology::centre(box);
+    for (int axis = 0; axis < 3 && i >= 0; ++axis)
+      x[axis] = (i >> axis & 1) != 0 ? box.max[axis] : box.min[axis];
+    if (const double value = field.value(x); !std::isfinite(value))
+      place.fail(
+          fmt::format("the field is not finite but {} at ({:.6g}, {:.6g}, {:.6g}): its parameters "
+                      "are too large",
+                      value, x.x, x.y, x.z));
+  }
 }
 
 }  // namespace
@@ -183,6 +201,7 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
   } else {
     const std::optional<Box> outer = h.field->solid_bounds();
     if (!outer) place.fail("the field's solid is unbounded: give \"bounds\" {min, max}");
+    if (!outer->isEmpty()) check_finite(*h.field, *outer, place / "field");
     if (!outer->isEmpty()) h.certify.box = topology::find_solid(*h.field, *outer);
     if (h.certify.box.isEmpty())
       (place / "field")
@@ -191,6 +210,7 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
               "\"bounds\")");
   }
   h.certify.box = topology::dyadic_box(h.certify.box);
+  check_finite(*h.field, h.certify.box, place / "field");
   const Box& b = h.certify.box;
   h.canonical = {{"field", h.field->canonical_json()},
                  {"box", {b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z}},

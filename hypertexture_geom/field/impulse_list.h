@@ -50,6 +50,10 @@ class ImpulseList {
     ++size_;
   }
 
+  // Appends those impulses of `from` that are not 0 on all of the box |u_i| <= half_i about
+  // `centre`; a few that are by a rounding may be among them.
+  void append_reaching(const ImpulseList& from, const Imath::V3d& centre, const Imath::V3d& half);
+
   // Sum of all impulses at `x`, evaluated with the machine's widest vectors (Highway picks at run
   // time). The order of summation follows the vector width: results of two machines may differ by a
   // few roundings.

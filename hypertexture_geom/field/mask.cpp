@@ -58,8 +58,10 @@ const Declaration& height_declaration() {
         .default_value = "y",
         .help = "The axis.",
         .choices = {"x", "y", "z"}},
-       {"from", Type::kNumber, 0.0, "Coordinate up to which the factor is 0.", "length"},
-       {"to", Type::kNumber, 1.0, "Coordinate from which the factor is 1.", "length"}}};
+       {"from", Type::kNumber, 0.0, "Coordinate up to which the factor is 0.", "length",
+        -params::kFarthest, params::kFarthest},
+       {"to", Type::kNumber, 1.0, "Coordinate from which the factor is 1.", "length",
+        -params::kFarthest, params::kFarthest}}};
   return declaration;
 }
 
@@ -72,8 +74,10 @@ const Declaration& density_declaration() {
         .type = Type::kObject,
         .help = "The density, positive inside.",
         .kind = "density"},
-       {"from", Type::kNumber, 0.0, "Value up to which the factor is 0.", "length"},
-       {"to", Type::kNumber, 0.1, "Value from which the factor is 1.", "length"}}};
+       {"from", Type::kNumber, 0.0, "Value up to which the factor is 0.", "length",
+        -params::kFarthest, params::kFarthest},
+       {"to", Type::kNumber, 0.1, "Value from which the factor is 1.", "length", -params::kFarthest,
+        params::kFarthest}}};
   return declaration;
 }
 

@@ -163,9 +163,17 @@ class Perlin final : public Expression {
 
   TapeValue emit(TapeBuilder& tape) const override {
     if (octaves_->empty()) return tape.constant(0.0);
-    if (!tape.single_precision())
-      for (const LatticeOctave& o : *octaves_)
-        if (!TapeBuilder::tabulates_perlin(tape.box(), o.frequency)) return tape.opaque(*this);
+    if (!tape.single_precision()) {
+      bool tabulated = true;
+      double size = 0.0, steepness = 0.0;
+      for (const LatticeOctave& o : *octaves_) {
+        tabulated = tabulated && TapeBuilder::tabulates_perlin(tape.box(), o.frequency);
+        size += std::abs(o.amplitude) * kPerlinBound[0];
+        steepness += std::abs(o.amplitude) * o.frequency * kPerlinBound[1];
+      }
+      // About 250 roundings of half a unit each lie between the coordinates and the noise.
+      if (!tabulated) return tape.opaque(*this, size, steepness);
+    }
     TapeValue sum;
     for (const LatticeOctave& o : *octaves_) {
       const TapeValue octave = tape.perlin(o.amplitude, o.frequency, o.lattice);

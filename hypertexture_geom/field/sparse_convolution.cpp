@@ -102,9 +102,7 @@ class SparseConvolution final : public Expression {
     std::unique_ptr<SparseConvolution> field(new SparseConvolution(process_));
     const RadialSum frame(box);
     field->unlisted_ = unlisted_;
-    for (std::size_t n = 0; n < listed_.size(); ++n)
-      if (const Impulse p = listed_[n]; reaches(p, frame.centre(), frame.half()))
-        field->listed_.push_back(p);
+    field->listed_.append_reaching(listed_, frame.centre(), frame.half());
     for (std::size_t i = 0; i < octaves().size(); ++i) {
       if (((unlisted_ >> i) & 1) == 0 || !small_enough(box, octaves()[i])) continue;
       list(static_cast<std::uint32_t>(i), box, field->listed_);

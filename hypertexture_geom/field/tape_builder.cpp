@@ -18,8 +18,8 @@ constexpr double kUp = 1.0 + 1e-12;
 
 Interval point(double x) { return Interval::point(x); }
 
-// Numbers up to this size have squares and cubes in single precision.
-constexpr double kLargest = 1e12;
+// Numbers up to this size have squares and cubes.
+constexpr double kLargestSingle = 1e12, kLargestDouble = 1e90;
 
 }  // namespace
 
@@ -63,9 +63,10 @@ TapeValue TapeBuilder::append(const Step& step) {
 // Underflow costs at most a few of the smallest normal numbers; too large numbers void all bounds.
 void TapeBuilder::check(TapeValue& v) const {
   const double underflow = single_precision() ? 1e-36 : 1e-300;
+  const double largest = single_precision() ? kLargestSingle : kLargestDouble;
   const auto finish = [&](double& error, double magnitude) {
     error = error * kUp + underflow;
-    if (!(magnitude < kLargest && error < kLargest)) error = kInfinity;
+    if (!(magnitude < largest && error < largest)) error = kInfinity;
   };
   finish(v.error, v.range.magnitude());
   for (int i = 0; i < 3; ++i) finish(v.slope_error[i], v.slope[i].magnitude());

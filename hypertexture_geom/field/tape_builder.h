@@ -59,8 +59,10 @@ class TapeBuilder {
   // directions on the box, or, on one that is many cells wide, hashed (single precision only).
   static bool tabulates_perlin(const topology::Box& box, double frequency);
   TapeValue perlin(double amplitude, double frequency, const PerlinLattice& lattice);
-  // Evaluated in double precision by the field itself.
-  TapeValue opaque(const topology::ScalarField& f);
+  // Evaluated in double precision by the field itself. It is taken to be as accurate as ScalarField
+  // has it, where what it is put together from is no larger than its model allows of |F| (and of
+  // slopes) on the box, or than `size` (`steepness`).
+  TapeValue opaque(const topology::ScalarField& f, double size = 0.0, double steepness = 0.0);
 
   // Functions of values.
   TapeValue add(const TapeValue& a, const TapeValue& b);

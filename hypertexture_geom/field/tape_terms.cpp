@@ -67,7 +67,7 @@ TapeValue TapeBuilder::linear(const Imath::V3d& row, const Imath::V3d& origin) {
   for (int i = 0; i < 3; ++i) {
     const double a = std::abs(row[i]);
     size += a * scope_.reach[i];
-    far += a * (std::abs(scope_.centre[i]) + std::abs(origin[i]));
+    far += a * std::abs(scope_.centre[i] - origin[i]);
     l.range = l.range + about_zero(a * scope_.reach[i]);
     l.slope[i] = Interval::point(row[i]);
     l.slope_error[i] = unit_ * a;
@@ -91,7 +91,7 @@ TapeValue TapeBuilder::squares(const Imath::V3d (&rows)[3], const Imath::V3d& or
     for (int i = 0; i < 3; ++i) {
       terms += std::abs(row[i]) * scope_.reach[i];
       reach += std::abs(row[i]) * scope_.reach[i];
-      far += std::abs(row[i]) * (std::abs(scope_.centre[i]) + std::abs(origin[i]));
+      far += std::abs(row[i]) * std::abs(scope_.centre[i] - origin[i]);
     }
     const double e = 5.0 * unit_ * terms + 4.0 * kEpsilon * far;
     const Interval u{c - reach * kUp - e, c + reach * kUp + e};
@@ -141,13 +141,9 @@ TapeValue TapeBuilder::impulses(const ImpulseList& list) {
     block[4 * kTapeBlock + k] = p.weight;
     // Far from the box no rounding makes the impulse reach it.
     const double w = std::abs(p.weight), f = std::sqrt(p.inverse_square);
-    const double far =
-        kEpsilon * f *
-        (std::max({std::abs(p.centre.x), std::abs(p.centre.y), std::abs(p.centre.z)}) +
-         std::max(
-             {std::abs(scope_.centre.x), std::abs(scope_.centre.y), std::abs(scope_.centre.z)}));
-    const double e =
-        1.7321 * (unit_ * (f * std::min(farthest, longest + 1.01 / f) + 1.5) + far) * kUp;
+    // The difference of the two centres, which are exact, is rounded once; then again to T.
+    const double radii = f * std::min(farthest, longest + 1.01 / f);
+    const double e = 1.7321 * (unit_ * (radii + 1.5) + kEpsilon * radii) * kUp;
     const double q_error = 2.0 * e + e * e + 6.0 * unit_;
     const double q =
         std::min(1.0, std::max(0.0, 1.0 - p.inverse_square * nearest) + 1e-12 + q_error);
@@ -277,23 +273,28 @@ TapeValue TapeBuilder::perlin(double amplitude, double frequency, const PerlinLa
   return place(s, l);
 }
 
-TapeValue TapeBuilder::opaque(const topology::ScalarField& f) {
+TapeValue TapeBuilder::opaque(const topology::ScalarField& f, double size, double steepness) {
   Step s = step(TapeOp::kOpaque);
   s.count = static_cast<std::uint32_t>(opaque_.size());
   opaque_.push_back({&f, scope_.centre});
   const topology::LocalModel m = f.model(scope_.box);
   Local l;
   l.range = m.range();
-  double off = 0.0;  // of the point
-  for (int i = 0; i < 3; ++i) off += kEpsilon * (std::abs(scope_.centre[i]) + scope_.reach[i]);
+  // The point is off by its own rounding, half a unit in the last place of |x| at most, and by the
+  // four units that ScalarField allows.
+  double off = 0.0;
+  for (int i = 0; i < 3; ++i)
+    off += 5.0 * kEpsilon * (std::abs(scope_.centre[i]) + scope_.reach[i]);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j) l.bend = std::max(l.bend, m.hessian_range(i, j).magnitude());
-  constexpr double kRelative = 1e-14;  // what ScalarField promises of value and jet
-  l.error = (unit_ + kRelative) * l.range.magnitude() + kRelative;
+  constexpr double kRelative = topology::kFieldAccuracy;
+  l.error = unit_ * l.range.magnitude() + kRelative * (1.0 + std::max(size, l.range.magnitude()));
   for (int i = 0; i < 3; ++i) {
     l.slope[i] = m.gradient_range(i);
     l.error += l.slope[i].magnitude() * off;
-    l.slope_error[i] = (unit_ + kRelative) * l.slope[i].magnitude() + kRelative + l.bend * off;
+    l.slope_error[i] = unit_ * l.slope[i].magnitude() +
+                       kRelative * (1.0 + std::max(steepness, l.slope[i].magnitude())) +
+                       l.bend * off;
   }
   return place(s, l);
 }

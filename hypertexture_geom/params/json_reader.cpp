@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -74,6 +75,8 @@ const char* type_name(Type type) {
       return "a number or an array of 3 numbers";
     case Type::kColor:
       return "a colour: an array of 3 numbers";
+    case Type::kMatrix4:
+      return "4 rows of 4 numbers";
     case Type::kObject:
       return "an object";
     case Type::kArray:
@@ -109,6 +112,10 @@ bool has_type(const json& value, Type type) {
       return is_vector(value, 3);
     case Type::kNumberOrVector3:
       return value.is_number() || is_vector(value, 3);
+    case Type::kMatrix4:
+      return value.is_array() && value.size() == 4 &&
+             std::all_of(value.begin(), value.end(),
+                         [](const json& row) { return is_vector(row, 4); });
     case Type::kObject:
       return value.is_object();
     case Type::kArray:
@@ -150,6 +157,11 @@ void check_value(const Parameter& p, const json& value, const Place& place) {
       }
       for (std::size_t i = 0; i < value.size(); ++i)
         check_number(p, value[i].get<double>(), place / i);
+      break;
+    case Type::kMatrix4:
+      for (std::size_t r = 0; r < 4; ++r)
+        for (std::size_t c = 0; c < 4; ++c)
+          check_number(p, value[r][c].get<double>(), place / r / c);
       break;
     case Type::kChoice: {
       const std::string text = value.get<std::string>();
@@ -305,7 +317,7 @@ Imath::V3d JsonReader::vector3(std::string_view name) const {
 }
 
 const json& JsonReader::object(std::string_view name) const {
-  return value(name, {Type::kObject, Type::kArray});
+  return value(name, {Type::kObject, Type::kArray, Type::kMatrix4});
 }
 
 std::string type_of(const json& object, const std::vector<std::string>& known, const Place& place,

@@ -48,7 +48,7 @@ class JsonReader {
   std::string string(std::string_view name) const;  // kString and kChoice
   Imath::V2d vector2(std::string_view name) const;
   Imath::V3d vector3(std::string_view name) const;  // kVector3, kColor and kNumberOrVector3
-  const nlohmann::json& object(std::string_view name) const;  // kObject and kArray
+  const nlohmann::json& object(std::string_view name) const;  // kObject, kArray, kMatrix4
   Place place(std::string_view name) const { return place_ / name; }
   const Place& place() const { return place_; }
 

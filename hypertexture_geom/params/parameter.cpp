@@ -58,6 +58,8 @@ nlohmann::json type_schema(const Parameter& p) {
       schema["type"] = {"number", "array"};
       return schema;
     }
+    case Type::kMatrix4:
+      return {{"type", "array"}, {"items", vector_schema(4)}, {"minItems", 4}, {"maxItems", 4}};
     case Type::kObject:
       return item_schema(p);
     case Type::kArray: {
@@ -118,7 +120,8 @@ nlohmann::json schema_of(const Declaration& declaration) {
     const bool numbers =
         p.type != Type::kObject && p.type != Type::kArray && property.contains("type");
     if (numbers && property["type"] != "array") add_range(property);
-    if (numbers && property.contains("items")) add_range(property["items"]);
+    if (numbers && property.contains("items"))
+      add_range(p.type == Type::kMatrix4 ? property["items"]["items"] : property["items"]);
     schema["properties"][p.name] = property;
     if (p.default_value.is_null() && !p.optional) required.push_back(p.name);
   }

@@ -23,9 +23,14 @@ enum class Type {
   kVector3,
   kNumberOrVector3,  // one number stands for three equal ones
   kColor,
+  kMatrix4,  // 4 rows of 4 numbers
   kObject,
   kArray
 };
+
+// Coordinates and lengths of a scene are at most this far from 0. Doubles are 1e-10 apart there;
+// far beyond, squares of distances lose all that a field adds to them, and then overflow.
+inline constexpr double kFarthest = 1e6;
 
 struct Declaration;
 

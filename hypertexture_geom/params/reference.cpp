@@ -32,6 +32,8 @@ std::string type_text(const Parameter& p) {
       return "number or 3 numbers";
     case Type::kColor:
       return "colour, 3 numbers";
+    case Type::kMatrix4:
+      return "4 rows of 4 numbers";
     case Type::kObject:
       return p.record != nullptr ? p.record->name : p.kind.empty() ? "object" : p.kind;
     case Type::kArray:

@@ -39,6 +39,8 @@ struct SurfaceInteraction {
   V3f object_p{0.0f}, object_normal{0.0f, 1.0f, 0.0f};
   float object_scale = 1.0f;
   float footprint = 0.0f;  // width of the ray's cone, world
+  // In [0, 1): textures may take a random part of the footprint, by this; below 0: all of it.
+  float texture_random = -1.0f;
   std::uint32_t instance = kNoIndex;
   std::uint32_t geometry = kNoIndex;
   std::uint32_t primitive = kNoIndex;

@@ -25,6 +25,7 @@ enum VertexDimension : std::uint32_t {
   kLightPoint,
   kInfinitePoint,
   kRoulette,
+  kTexture,
   kPerVertex
 };
 
@@ -272,6 +273,7 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     }
     const V3f wo = -state.ray.direction;
     hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
+    hit.texture_random = sampler.get_1d(dimension(state.vertex, kTexture));
     if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
       state.throughput *= materials_.transmittance(hit.material, state.travelled + hit.t);
     if (materials_.emits(hit.material)) {

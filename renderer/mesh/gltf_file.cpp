@@ -6,6 +6,9 @@
 
 #include <array>
 #include <fstream>
+#include <sstream>
+
+#include "renderer/mesh/gltf_schema.h"
 
 namespace morsel::render {
 namespace {
@@ -27,28 +30,43 @@ void refuse_unknown_extensions(const tinygltf::Model& model) {
   }
 }
 
+// The JSON of a .gltf or .glb.
+std::string json_of(const std::filesystem::path& file, bool binary) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text;
+  if (!binary) {
+    std::ostringstream all;
+    all << in.rdbuf();
+    return std::move(all).str();
+  }
+  unsigned char length[4] = {};
+  in.seekg(12);
+  in.read(reinterpret_cast<char*>(length), 4);
+  in.seekg(20);
+  const std::uint64_t bytes =
+      length[0] | length[1] << 8 | length[2] << 16 | static_cast<std::uint64_t>(length[3]) << 24;
+  if (!in || bytes > std::filesystem::file_size(file)) return text;  // the parser will say so
+  text.resize(bytes);
+  in.read(text.data(), static_cast<std::streamsize>(bytes));
+  return text;
+}
+
 // Brackets within brackets: tinygltf calls itself for each level, and the stack ends somewhere.
 constexpr int kDeepest = 256;
-void refuse_deep_nesting(const std::filesystem::path& file, bool binary) {
-  std::ifstream in(file, std::ios::binary);
-  if (binary) in.seekg(20);  // the JSON begins here, and ends in whatever follows
+void refuse_deep_nesting(const std::string& json) {
   int depth = 0;
   bool text = false, escaped = false;
-  std::vector<char> buffer(std::size_t{1} << 16);
-  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || in.gcount() > 0) {
-    for (std::streamsize i = 0; i < in.gcount(); ++i) {
-      const char c = buffer[static_cast<std::size_t>(i)];
-      if (text) {
-        if (!escaped && c == '"') text = false;
-        escaped = !escaped && c == '\\';
-      } else if (c == '"') {
-        text = true;
-      } else if (c == '{' || c == '[') {
-        if (++depth > kDeepest)
-          throw GltfError(fmt::format("its JSON is nested deeper than {} levels", kDeepest));
-      } else if ((c == '}' || c == ']') && --depth <= 0) {
-        return;
-      }
+  for (const char c : json) {
+    if (text) {
+      if (!escaped && c == '"') text = false;
+      escaped = !escaped && c == '\\';
+    } else if (c == '"') {
+      text = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kDeepest)
+        throw GltfError(fmt::format("its JSON is nested deeper than {} levels", kDeepest));
+    } else if (c == '}' || c == ']') {
+      --depth;
     }
   }
 }
@@ -107,7 +125,9 @@ tinygltf::Model parse_gltf(const std::filesystem::path& file) {
   std::string start(4, '\0');
   std::ifstream(file, std::ios::binary).read(start.data(), 4);
   const bool binary = start == "glTF";
-  refuse_deep_nesting(file, binary);
+  const std::string json = json_of(file, binary);
+  refuse_deep_nesting(json);
+  check_gltf_types(json);
   const bool done = binary ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
                            : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
   if (done) {

@@ -87,8 +87,9 @@ class Checker {
       check_numbers(rest, key, 3);
       ++kinds_[2].count;
     } else if (key == "f" || key == "l" || key == "p") {
-      for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest))
-        check_corner(word);
+      std::string_view word = next_word(rest);
+      if (word.empty()) fail(line_, fmt::format("{} names no vertex", key));
+      for (; !word.empty(); word = next_word(rest)) check_corner(word);
     } else if (key == "mtllib") {
       note(rest, names_.libraries);
     } else if (key == "usemtl") {

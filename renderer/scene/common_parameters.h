@@ -53,7 +53,12 @@ inline params::Parameter radiance_parameter(const char* name, const char* help) 
 }
 
 inline params::Parameter point_parameter(const char* name, const char* help) {
-  return {.name = name, .type = params::Type::kVector3, .help = help, .unit = "length"};
+  return {.name = name,
+          .type = params::Type::kVector3,
+          .help = help,
+          .unit = "length",
+          .min = -params::kFarthest,
+          .max = params::kFarthest};
 }
 
 inline params::Parameter depth_parameter(const char* name, const char* help) {

@@ -63,7 +63,9 @@ const Declaration& image_texture_declaration() {
        {.name = "scale",
         .type = Type::kVector2,
         .default_value = {1.0, 1.0},
-        .help = "multiplies the texture coordinates, first"},
+        .help = "multiplies the texture coordinates, first",
+        .min = -params::kFarthest,
+        .max = params::kFarthest},
        {.name = "rotation",
         .default_value = 0.0,
         .help = "turns them counter-clockwise about (0, 0), second",
@@ -136,16 +138,22 @@ const Declaration& model_declaration() {
         .type = Type::kVector3,
         .default_value = {0.0, 0.0, 0.0},
         .help = "applied last",
-        .unit = "length"},
+        .unit = "length",
+        .min = -params::kFarthest,
+        .max = params::kFarthest},
        {.name = "rotate",
         .type = Type::kVector3,
         .default_value = {0.0, 0.0, 0.0},
         .help = "about the x axis, then the world's y axis, then the world's z axis",
-        .unit = "degrees"},
+        .unit = "degrees",
+        .min = -params::kFarthest,
+        .max = params::kFarthest},
        {.name = "scale",
         .type = Type::kNumberOrVector3,
         .default_value = 1.0,
-        .help = "applied first"}}};
+        .help = "applied first",
+        .min = -params::kFarthest,
+        .max = params::kFarthest}}};
   return declaration;
 }
 

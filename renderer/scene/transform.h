@@ -16,9 +16,9 @@ namespace morsel::render {
 Imath::M44d make_transform(const Imath::V3d& scale, const Imath::V3d& rotate_degrees,
                            const Imath::V3d& translate);
 
-// Reads 4 rows of 4 numbers in the column-vector convention of most texts (p' = M p, translation in
-// the last column) and returns the matrix for row vectors. Throws params::InputError for another
-// shape, a last row other than 0 0 0 1, or a matrix without inverse.
+// Takes 4 rows of 4 numbers (params::Type::kMatrix4) in the column-vector convention of most texts
+// (p' = M p, translation in the last column) and returns the matrix for row vectors. Throws
+// params::InputError for a last row other than 0 0 0 1, or a matrix without inverse.
 Imath::M44d read_transform(const nlohmann::json& rows, const params::Place& place);
 
 }  // namespace morsel::render

@@ -14,7 +14,7 @@ std::optional<float> ramp_input(const Scene& scene, RampInput input,
   const geom::HypertextureGeometry& hypertexture = **shape;
   if (input == RampInput::kComponent) {
     if (hit.component == kNoIndex) return std::nullopt;
-    const std::size_t count = hypertexture.cache().topology.components.size();
+    const std::size_t count = hypertexture.components().size();
     return static_cast<float>(hit.component) / static_cast<float>(std::max<std::size_t>(1, count));
   }
   const geom::SurfaceDetail detail = hypertexture.detail(hit.primitive, V3d(hit.object_p));

@@ -61,7 +61,7 @@ TextureSet::Value TextureSet::image(const ImageTexture& image, std::uint32_t ind
       across = transformed(image, to_uv(point.footprint().across), true);
       along = transformed(image, to_uv(point.footprint().along), true);
     }
-    point.last_ = store_.lookup(handle, uv, across, along);
+    point.last_ = store_.lookup(handle, uv, across, along, hit.texture_random);
     point.last_image_ = handle;
     point.last_uv_ = uv;
     return point.last_;
@@ -72,6 +72,14 @@ TextureSet::Value TextureSet::image(const ImageTexture& image, std::uint32_t ind
   for (int i = 0; i < 3; ++i) weight[i] = square(square(n[i]));
   weight /= weight.x + weight.y + weight.z;
   const float width = hit.footprint * hit.object_scale / image.triplanar_size;
+  float random = hit.texture_random;
+  if (random >= 0.0f) {  // one axis stands for all
+    int axis = 0;
+    while (axis < 2 && random >= weight[axis]) random -= weight[axis++];
+    random = std::clamp(random / weight[axis], 0.0f, kOneMinusEpsilon);
+    weight = V3f(0.0f);
+    weight[axis] = 1.0f;
+  }
   Value sum{V3f(0.0f), 0.0f};
   for (int axis = 0; axis < 3; ++axis) {
     if (weight[axis] < 1e-3f) continue;
@@ -82,7 +90,7 @@ TextureSet::Value TextureSet::image(const ImageTexture& image, std::uint32_t ind
                                : V2f(side * p.x, p.y);
     const auto v = store_.lookup(handle, transformed(image, uv, false),
                                  transformed(image, V2f(width, 0.0f), true),
-                                 transformed(image, V2f(0.0f, width), true));
+                                 transformed(image, V2f(0.0f, width), true), random);
     sum.color += v.color * weight[axis];
     sum.alpha += v.alpha * weight[axis];
   }

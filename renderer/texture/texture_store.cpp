@@ -93,6 +93,7 @@ struct TextureStore::Impl {
 TextureStore::TextureStore(std::uint64_t megabytes) : impl_(std::make_unique<Impl>()) {
   impl_->system->attribute("max_memory_MB", static_cast<float>(megabytes));
   impl_->system->attribute("automip", 1);
+  impl_->system->attribute("stochastic", 3);  // mip level and place, where asked for
   impl_->system->attribute("autotile", 64);
   impl_->system->attribute("autoscanline", 0);
   impl_->system->attribute("accept_untiled", 1);
@@ -129,7 +130,7 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
 }
 
 TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, const V2f& across,
-                                         const V2f& along) const {
+                                         const V2f& along, float random) const {
   const Impl::Image& i = impl_->images[image];
   auto* handle = i.handle;
   int channels = i.channels;
@@ -143,6 +144,10 @@ TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, con
     at = V2f(uv.x - column, uv.y - row);
   }
   OIIO::TextureOpt options = i.options;
+  if (random >= 0.0f) {
+    options.mipmode = OIIO::TextureOpt::MipModeStochasticAniso;
+    options.rnd = random;
+  }
   float texel[4] = {0.0f, 0.0f, 0.0f, 1.0f};
   // OpenImageIO's t is down from the top.
   if (!impl_->system->texture(handle, impl_->system->get_perthread_info(), options, at.x,

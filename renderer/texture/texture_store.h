@@ -30,7 +30,10 @@ class TextureStore {
   };
   // At texture coordinates (u right, v up), averaged over the parallelogram that the two vectors
   // span about them. Grey images give three equal channels. Errors of reading give black.
-  Value lookup(std::uint32_t image, const V2f& uv, const V2f& across, const V2f& along) const;
+  // With `random` in [0, 1) one point of the parallelogram at one mip level is taken instead, whose
+  // expected value is that average: a fraction of the work, for where many samples are averaged.
+  Value lookup(std::uint32_t image, const V2f& uv, const V2f& across, const V2f& along,
+               float random = -1.0f) const;
 
   std::size_t size() const;
   // Bytes read from files and memory in use, for people.

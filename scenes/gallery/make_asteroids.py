@@ -74,7 +74,7 @@ def rock(name, seed, amplitude):
     return {
         "name": name,
         "type": "hypertexture",
-        "max_depth": 9,
+        "max_depth": 14,
         "field": {
             "density": {"type": "ellipsoid", "radii": [1.15, 0.85, 0.95]},
             "modulations": [
@@ -118,7 +118,7 @@ scene = {
             "input": "noise",
             "low": -0.3,
             "high": 0.4,
-            "stops": [[0, [0.1, 0.075, 0.06]], [0.45, [0.3, 0.25, 0.21]], [0.7, [0.44, 0.38, 0.32]], [1, [0.62, 0.56, 0.5]]],
+            "stops": [[0, [0.07, 0.05, 0.04]], [0.4, [0.2, 0.16, 0.13]], [0.65, [0.34, 0.29, 0.24]], [1, [0.55, 0.49, 0.43]]],
         },
         {
             "name": "bands",
@@ -147,8 +147,8 @@ scene = {
         {"name": "star", "type": "sphere", "radius": 1, "segments": 4},
     ],
     "lights": [
-        {"type": "environment", "radiance": [0.006, 0.007, 0.011], "visible_to_camera": False},
-        {"type": "distant", "name": "sun", "direction": [0.86, -0.28, -0.42], "angular_diameter": 0.6, "irradiance": [4.4, 4.1, 3.7]},
+        {"type": "environment", "radiance": [0.006, 0.007, 0.011]},
+        {"type": "distant", "name": "sun", "direction": [0.86, -0.28, -0.42], "angular_diameter": 0.6, "irradiance": [2.7, 2.5, 2.3]},
     ],
 }
 next(i for i in instances if i["name"] == "planet")["scale"] = 95

@@ -21,6 +21,9 @@ using nlohmann::json;
 using topology::Box;
 using Real = long double;
 
+// Slopes are bounded on every box of at most this side.
+constexpr double kSlopesKnown = 0x1p-6;
+
 json random_field(std::mt19937_64& random) {
   RandomModulation make(random);
   std::vector<std::string> types;
@@ -103,6 +106,18 @@ class Checker {
     if (!(m.value_error >= 0.0)) fail(check_.undefined, "value error is no number", box);
     for (int a = 0; a < 3; ++a)
       if (!(m.gradient_error[a] >= 0.0)) fail(check_.undefined, "gradient error is no number", box);
+    for (const double c : m.c)
+      if (!std::isfinite(c)) fail(check_.undefined, "a coefficient is not finite", box);
+    // An infinite bound holds but says nothing. Values are bounded on every box; slopes may be
+    // unknown where a box is several cells of a noise wide.
+    if (!std::isfinite(m.value_error)) fail(check_.infinite, "value error is infinite", box);
+    const Imath::V3d& e = m.gradient_error;
+    if (!(std::isfinite(e.x) && std::isfinite(e.y) && std::isfinite(e.z))) {
+      ++check_.without_slopes;
+      const Imath::V3d size = box.max - box.min;
+      if (std::max({size.x, size.y, size.z}) < kSlopesKnown)
+        fail(check_.infinite, "gradient error is infinite", box);
+    }
     const topology::Interval range = m.range();
     topology::Interval slopes[3];
     for (int a = 0; a < 3; ++a) slopes[a] = m.gradient_range(a);
@@ -119,14 +134,14 @@ class Checker {
       const Cubic p = cubic_at(m, u);
       // Long double's own rounding, and that of constants that the reference derives on its own.
       const Real slack = 4e-18L * (1.0L + std::abs(f.v));
-      if (std::abs(f.v - p.value) > scale_ * m.value_error + slack)
+      if (!(std::abs(f.v - p.value) <= scale_ * m.value_error + slack))
         fail(check_.value, "value", box);
-      if (f.v < range.lo - slack || f.v > range.hi + slack) fail(check_.range, "range", box);
+      if (!(f.v >= range.lo - slack && f.v <= range.hi + slack)) fail(check_.range, "range", box);
       for (int a = 0; a < 3; ++a) {
         const Real loose = 4e-17L * (1.0L + std::abs(f.g[a]));
-        if (std::abs(f.g[a] - p.slope[a]) > scale_ * m.gradient_error[a] + loose)
+        if (!(std::abs(f.g[a] - p.slope[a]) <= scale_ * m.gradient_error[a] + loose))
           fail(check_.gradient, "gradient", box);
-        if (f.g[a] < slopes[a].lo - loose || f.g[a] > slopes[a].hi + loose)
+        if (!(f.g[a] >= slopes[a].lo - loose && f.g[a] <= slopes[a].hi + loose))
           fail(check_.gradient_range, "gradient range", box);
       }
     }

@@ -10,17 +10,22 @@
 HOLDS(handles_are_pointers, sizeof(MorselField) == sizeof(void*));
 HOLDS(results_are_32_bits, sizeof(MorselResult) == 4);
 #if UINTPTR_MAX == UINT64_MAX
-SIZE(MorselBuildOptions, 40);
+SIZE(MorselBuildOptions, 48);
 AT(MorselBuildOptions, progress, 16);
 AT(MorselBuildOptions, user, 32);
-SIZE(MorselTopologyInfo, 128);
+AT(MorselBuildOptions, engine, 40); /* the end of version 0.1 */
+SIZE(MorselTopologyInfo, 136);
 AT(MorselTopologyInfo, certified, 32);
 AT(MorselTopologyInfo, seconds, 72);
 AT(MorselTopologyInfo, upper, 104);
+AT(MorselTopologyInfo, critical_points, 128); /* the end of version 0.1 */
 SIZE(MorselComponent, 96);
 AT(MorselComponent, seed, 72);
-SIZE(MorselGeometryOptions, 32);
+SIZE(MorselCriticalPoint, 96);
+AT(MorselCriticalPoint, type, 88);
+SIZE(MorselGeometryOptions, 40);
 AT(MorselGeometryOptions, threads, 24);
+AT(MorselGeometryOptions, solver, 32); /* the end of version 0.1 */
 SIZE(MorselGeometryInfo, 104);
 AT(MorselGeometryInfo, step_limits, 24);
 AT(MorselGeometryInfo, main_component, 96);

@@ -170,6 +170,99 @@ TEST_F(CApi, ComponentTable) {
             MORSEL_ERROR_INVALID_ARGUMENT);
 }
 
+TEST_F(CApi, CriticalPoints) {
+  auto info = sized<MorselTopologyInfo>();
+  ASSERT_EQ(morsel_topology_info(topology, &info), MORSEL_OK);
+  EXPECT_EQ(info.critical_points, 0u);  // labels alone
+  EXPECT_EQ(morsel_topology_critical_points(topology, 0, 0, sizeof(MorselCriticalPoint), nullptr),
+            MORSEL_OK);
+  const morsel::test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "both.topo").string();
+  auto options = sized<MorselBuildOptions>();
+  options.engine = MORSEL_ENGINE_BOTH;
+  MorselTopology both = nullptr;
+  for (const bool from_file : {false, true}) {  // built and written, then read
+    ASSERT_EQ(morsel_open_topology(field, path.c_str(), from_file ? nullptr : &options, &both),
+              MORSEL_OK)
+        << morsel_last_error_text();
+    ASSERT_EQ(morsel_topology_info(both, &info), MORSEL_OK);
+    ASSERT_GE(info.critical_points, 3u);
+    std::vector<MorselCriticalPoint> points(info.critical_points);
+    ASSERT_EQ(
+        morsel_topology_critical_points(both, 0, points.size(), sizeof points[0], points.data()),
+        MORSEL_OK);
+    const double centres[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    bool seen[3] = {false, false, false};
+    for (const MorselCriticalPoint& p : points) {
+      if (p.type != MORSEL_CRITICAL_MAXIMUM) continue;
+      ASSERT_LT(p.component, 3u);
+      seen[p.component] = true;
+      for (int i = 0; i < 3; ++i) EXPECT_NEAR(p.position[i], centres[p.component][i], 0.02);
+      EXPECT_GT(p.value, 0.0);
+      EXPECT_LT(p.radius, 1e-6);
+      EXPECT_LT(p.eigenvalues[2], 0.0);
+      EXPECT_LE(p.eigenvalues[0], p.eigenvalues[1]);
+    }
+    EXPECT_TRUE(seen[0] && seen[1] && seen[2]);
+    MorselCriticalPoint last;
+    EXPECT_EQ(morsel_topology_critical_points(both, points.size(), 1, sizeof last, &last),
+              MORSEL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(morsel_topology_critical_points(both, 0, 1, sizeof last - 1, &last),
+              MORSEL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(morsel_topology_critical_points(both, 0, 1, sizeof last, nullptr),
+              MORSEL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(morsel_release_topology(both), MORSEL_OK);
+  }
+  options.engine = 3;
+  EXPECT_EQ(morsel_build_topology(field, &options, &both), MORSEL_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(morsel_last_error_text()).find("MORSEL_ENGINE_BOTH"), std::string::npos);
+}
+
+TEST_F(CApi, SolversAndMembership) {
+  const MorselRay at_main{{-2, 0.1f, 0.1f}, {1, 0, 0}, 0, 100};
+  const MorselRay at_debris{{1, -2, 0.05f}, {0, 1, 0}, 0, 100};
+  for (std::uint32_t solver = MORSEL_SOLVER_MODEL; solver <= MORSEL_SOLVER_SPHERE; ++solver)
+    for (std::uint32_t membership = MORSEL_MEMBERSHIP_LABELS; membership <= MORSEL_MEMBERSHIP_OFF;
+         ++membership) {
+      if (solver != MORSEL_SOLVER_MODEL && membership != MORSEL_MEMBERSHIP_LABELS) continue;
+      auto options = sized<MorselGeometryOptions>();
+      options.keep = "main";
+      options.solver = solver;
+      options.membership = membership;
+      MorselGeometry g = nullptr;
+      ASSERT_EQ(morsel_create_geometry(field, topology, &options, &g), MORSEL_OK)
+          << morsel_last_error_text();
+      auto info = sized<MorselGeometryInfo>();
+      ASSERT_EQ(morsel_geometry_info(g, &info), MORSEL_OK);
+      EXPECT_EQ(info.primitives == 1, solver == MORSEL_SOLVER_SPHERE);
+      EXPECT_EQ(info.kept_components, membership == MORSEL_MEMBERSHIP_OFF ? 3u : 1u);
+      MorselQuery q = nullptr;
+      ASSERT_EQ(morsel_create_query(g, device, &q), MORSEL_OK);
+      MorselHit hit;
+      std::int32_t found = 0;
+      ASSERT_EQ(morsel_query_first_hit(q, &at_main, sizeof hit, &hit, &found), MORSEL_OK);
+      ASSERT_EQ(found, 1) << solver << ' ' << membership;
+      EXPECT_NEAR(hit.t, 2.0 - std::sqrt(0.25 - 0.02), 1e-3) << solver << ' ' << membership;
+      ASSERT_EQ(morsel_query_any_hit(q, &at_debris, &found), MORSEL_OK);
+      EXPECT_EQ(found, membership == MORSEL_MEMBERSHIP_OFF ? 1 : 0) << solver << ' ' << membership;
+      EXPECT_EQ(morsel_release_query(q), MORSEL_OK);
+      EXPECT_EQ(morsel_release_geometry(g), MORSEL_OK);
+    }
+  // A program of version 0.1, whose struct ends before both.
+  auto options = sized<MorselGeometryOptions>();
+  options.struct_size = offsetof(MorselGeometryOptions, solver);
+  options.solver = options.membership = 77;
+  MorselGeometry g = nullptr;
+  ASSERT_EQ(morsel_create_geometry(field, topology, &options, &g), MORSEL_OK);
+  EXPECT_EQ(morsel_release_geometry(g), MORSEL_OK);
+  options.struct_size = sizeof options;
+  EXPECT_EQ(morsel_create_geometry(field, topology, &options, &g), MORSEL_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(morsel_last_error_text()).find("MORSEL_SOLVER_SPHERE"), std::string::npos);
+  options.solver = 0;
+  EXPECT_EQ(morsel_create_geometry(field, topology, &options, &g), MORSEL_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(morsel_last_error_text()).find("MORSEL_MEMBERSHIP_OFF"), std::string::npos);
+}
+
 TEST_F(CApi, KeepRules) {
   const auto kept = [&](const char* rule) {
     MorselGeometry g = geometry_of(field, topology, rule);
@@ -391,6 +484,7 @@ TEST_F(CApi, NullPointersAreErrors) {
   float f[3] = {0, 0, 0};
   MorselHit hit;
   MorselComponent component;
+  MorselCriticalPoint point;
   MorselField fo;
   MorselTopology to;
   MorselGeometry go;
@@ -417,6 +511,7 @@ TEST_F(CApi, NullPointersAreErrors) {
            morsel_release_topology(nullptr),
            morsel_topology_info(nullptr, &ti),
            morsel_topology_components(nullptr, 0, 1, sizeof component, &component),
+           morsel_topology_critical_points(nullptr, 0, 0, sizeof point, &point),
            morsel_create_geometry(nullptr, topology, nullptr, &go),
            morsel_create_geometry(field, nullptr, nullptr, &go),
            morsel_retain_geometry(nullptr),

@@ -67,6 +67,42 @@ TEST(FieldJson, ErrorsNameFilePlaceValueAndChoices) {
   EXPECT_EQ(error_of(bad), "no error");
 }
 
+TEST(FieldJson, CoordinatesHaveARange) {
+  const json bounds{{"min", {-1, -1, -1}}, {"max", {1, 1, 1}}};
+  json bad = rock();
+  bad["bounds"] = bounds;
+  bad["field"]["density"]["center"] = {1e300, 0, 0};
+  expect_all(error_of(bad), {"scene.json", "/geometries/0/field/density/center/0", "1e+300",
+                             "between -1000000 and 1000000"});
+  bad = rock();
+  bad["bounds"] = {{"min", {-1, -1, -1}}, {"max", {1, 1, 1e200}}};
+  expect_all(error_of(bad),
+             {"/geometries/0/bounds/max/2", "1e+200", "between -1000000 and 1000000"});
+  bad = rock();
+  bad["field"]["modulations"][0]["mask"] = {{"type", "height"}, {"to", -1e9}};
+  expect_all(error_of(bad),
+             {"/modulations/0/mask/to", "-1000000000", "between -1000000 and 1000000"});
+}
+
+// Each number is within its range, but not what they multiply up to.
+TEST(FieldJson, AFieldThatOverflowsIsAnError) {
+  json bad = rock();
+  bad["field"]["modulations"] = json(60, {{"type", "scale_offset"}, {"scale", 1e6}});
+  expect_all(error_of(bad), {"scene.json", "/geometries/0/field: ", "not finite", "inf", "at ("});
+  bad["bounds"] = {{"min", {-1, -1, -1}}, {"max", {1, 1, 1}}};
+  expect_all(error_of(bad), {"/geometries/0/field: ", "not finite", "inf", "at ("});
+}
+
+TEST(FieldJson, TheFarthestObjectIsBuilt) {
+  json far = rock();
+  far["field"] = {{"density", {{"type", "sphere"}, {"center", {1e6, -1e6, 1e6}}}}};
+  far["field"]["modulations"] = {{{"type", "fbm"}, {"noise", "perlin"}, {"amplitude", 0.05}}};
+  const Hypertexture h = hypertexture_from_json(far, params::Place{"t", ""});
+  const topology::TopologyCache cache = build_cache(h);
+  EXPECT_EQ(cache.topology.components.size(), 1u);
+  EXPECT_TRUE(cache.topology.certified);
+}
+
 TEST(FieldJson, TheFingerprintFollowsTheFieldAndNotItsSpelling) {
   const params::Place place{"t", ""};
   json first = rock();

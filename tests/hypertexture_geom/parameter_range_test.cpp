@@ -57,10 +57,24 @@ class ParameterRanges {
         if (std::isfinite(p.max)) number(p.max + 1.0);
       }
       if (p.type == Type::kInteger) refused(1.5, "1.5");
-      if (p.type == Type::kVector3) {
+      const bool vector = p.type == Type::kVector3 || p.type == Type::kNumberOrVector3;
+      if (vector) {
         refused(json::array({1.0, 2.0}), "3");
         refused("up", "up");
+        for (std::size_t i = 0; i < 3; ++i)
+          for (const double x : {p.exclusive_min ? p.min : p.min - 1.0, p.max + 1.0, -1e300, 1e300,
+                                 std::numeric_limits<double>::infinity(),
+                                 std::numeric_limits<double>::quiet_NaN()}) {
+            json bad = json::array({0.5, 0.5, 0.5});
+            bad[i] = x;
+            refused(bad, fmt::format("{}/{}: ", at, i));
+          }
       }
+      // No number of a field is without a range.
+      if (vector || p.type == Type::kNumber || p.type == Type::kInteger) {
+        EXPECT_TRUE(std::isfinite(p.min) && std::isfinite(p.max)) << declaration.name << p.name;
+      }
+      if (p.record != nullptr && p.type == Type::kArray) check(field, at + "/0", *p.record);
       if (p.type == Type::kChoice) refused("nothing", p.choices.front());
       if (p.type == Type::kBoolean) refused(1, "1");
       if (p.type == Type::kArray) {

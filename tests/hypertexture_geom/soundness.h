@@ -16,12 +16,16 @@ namespace morsel::geom::testing {
 
 struct Outside {
   int value = 0, gradient = 0, hessian = 0, range = 0, face = 0;
-  bool undefined = false;  // a bound was NaN
-  int total() const { return value + gradient + hessian + range + face + undefined; }
+  int undefined = 0;  // bounds that are NaN
+  int infinite = 0;  // boxes on which the value has no bound, or a box no wider than `known` slopes
+  int without_slopes = 0, boxes = 0;  // all boxes on which a slope has none, of how many
+  double known = 0x1p-6;              // widest box on which slopes must have bounds
+  int total() const { return value + gradient + hessian + range + face + undefined + infinite; }
   std::string text() const {
     return "value " + std::to_string(value) + ", gradient " + std::to_string(gradient) +
            ", Hessian " + std::to_string(hessian) + ", range " + std::to_string(range) + ", face " +
-           std::to_string(face) + (undefined ? ", NaN" : "");
+           std::to_string(face) + ", undefined " + std::to_string(undefined) + ", infinite " +
+           std::to_string(infinite);
   }
 };
 
@@ -51,9 +55,15 @@ inline void add_outside(const topology::ScalarField& field, const topology::Box&
   const topology::LocalModel m = field.model(box);
   const auto local = field.restricted_to(box);
   const topology::Interval range = m.range();
-  if (!(m.value_error >= 0.0) || !(m.hessian_error >= 0.0)) outside.undefined = true;
+  if (!(m.value_error >= 0.0) || !(m.hessian_error >= 0.0)) ++outside.undefined;
   for (int i = 0; i < 3; ++i)
-    if (!(m.gradient_error[i] >= 0.0)) outside.undefined = true;
+    if (!(m.gradient_error[i] >= 0.0)) ++outside.undefined;
+  ++outside.boxes;
+  if (!std::isfinite(m.value_error)) ++outside.infinite;
+  if (!std::isfinite(m.gradient_error.length2())) {
+    ++outside.without_slopes;
+    if (std::max({half.x, half.y, half.z}) <= 0.5 * outside.known) ++outside.infinite;
+  }
   for (int k = 0; k < samples; ++k) {
     Imath::V3d u(unit(random), unit(random), unit(random));
     if (k < 8) u = Imath::V3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
@@ -64,20 +74,20 @@ inline void add_outside(const topology::ScalarField& field, const topology::Box&
     const topology::Jet jet = local->jet(x);
     // The jet's own rounding, far below what a wrong bound would show.
     const double slack = 1e-13 * (1.0 + std::abs(jet.value));
-    if (std::abs(jet.value - m.value_at(u)) > scale * m.value_error + slack) ++outside.value;
+    if (!(std::abs(jet.value - m.value_at(u)) <= scale * m.value_error + slack)) ++outside.value;
     if (!(range.lo - slack <= jet.value && jet.value <= range.hi + slack)) ++outside.range;
     const Imath::V3d g = m.gradient_at(u);
     for (int axis = 0; axis < 3; ++axis) {
       const double loose = 1e-12 * (1.0 + std::abs(jet.gradient[axis]));
-      if (std::abs(jet.gradient[axis] - g[axis]) > scale * m.gradient_error[axis] + loose)
+      if (!(std::abs(jet.gradient[axis] - g[axis]) <= scale * m.gradient_error[axis] + loose))
         ++outside.gradient;
       const topology::Interval slope = m.gradient_range(axis);
       if (!(slope.lo - loose <= jet.gradient[axis] && jet.gradient[axis] <= slope.hi + loose))
         ++outside.range;
       for (int j = 0; j <= axis; ++j)
         if (std::isfinite(m.hessian_error) &&
-            std::abs(hessian_of(jet, axis, j) - hessian_at(m, u, axis, j)) >
-                scale * m.hessian_error + 1e-9 * (1.0 + m.hessian_error))
+            !(std::abs(hessian_of(jet, axis, j) - hessian_at(m, u, axis, j)) <=
+              scale * m.hessian_error + 1e-9 * (1.0 + m.hessian_error)))
           ++outside.hessian;
     }
     const int axis = static_cast<int>(random() % 3), side = random() % 2 ? 1 : -1;

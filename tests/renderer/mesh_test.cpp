@@ -191,6 +191,7 @@ TEST(Mesh, IndicesOfAnObjFileAreChecked) {
         {"f 0 1 2", "line 7: \"0\": indices count from 1"},
         {"f 1 2 three", "line 7: \"three\" is not a corner"},
         {"f 1/1/1/1 2 3", "line 7: \"1/1/1/1\" has too many slashes"},
+        {"f", "line 7: f names no vertex"},
         {"v 1 2", "line 7: v has 2 numbers, but needs 3"},
         {"f 1 2 99999999999999999999", "is not a corner"}})
     expect_error(folder.write("bad.obj", square + face + "\nf 1 2 3\n"), what);
@@ -357,11 +358,29 @@ TEST(Gltf, HostileFilesAreErrors) {
     f.json["extras"] = deep;
   });
   // What is of the wrong type.
-  expect_refused("", [](GltfFile& f) { f.json["accessors"][0]["count"] = "four"; });
-  expect_refused("", [](GltfFile& f) { f.json["accessors"] = 7; });
-  expect_refused("", [](GltfFile& f) { f.json["meshes"] = {{"primitives", 3}}; });
-  expect_refused("", [](GltfFile& f) { f.json["nodes"] = "none"; });
-  expect_refused("", [](GltfFile& f) { f.json["scenes"][0]["nodes"] = {"zero"}; });
+  expect_refused("/accessors/0/count must be a whole number, 0 or more, not \"four\"",
+                 [](GltfFile& f) { f.json["accessors"][0]["count"] = "four"; });
+  expect_refused("/accessors must be an array, not 7",
+                 [](GltfFile& f) { f.json["accessors"] = 7; });
+  expect_refused("/meshes/0/primitives must be an array, not {\"mode\":4}", [](GltfFile& f) {
+    f.json["meshes"][0]["primitives"] = {{"mode", 4}};
+  });
+  expect_refused("/nodes must be an array, not \"none\"",
+                 [](GltfFile& f) { f.json["nodes"] = "none"; });
+  expect_refused("/scenes/0/nodes must be an array of whole numbers, 0 or more, not [\"zero\"]",
+                 [](GltfFile& f) { f.json["scenes"][0]["nodes"] = {"zero"}; });
+  expect_refused("/nodes/0/mesh must be a whole number, 0 or more, not -1",
+                 [](GltfFile& f) { f.json["nodes"][0]["mesh"] = -1; });
+  expect_refused("/nodes/0/scale must be an array of numbers, not 2",
+                 [](GltfFile& f) { f.json["nodes"][0]["scale"] = 2; });
+  expect_refused("/materials/0/alphaMode must be a string", [](GltfFile& f) {
+    f.json["materials"] = {{{"alphaMode", 3}}};
+  });
+  expect_refused("KHR_texture_transform/offset must be an array of numbers", [](GltfFile& f) {
+    f.json["materials"] = {
+        {{"normalTexture",
+          {{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"offset", 1}}}}}}}}};
+  });
   expect_refused("", [](GltfFile& f) { f.json["scene"] = 5; });
   expect_refused("mesh 0, primitive 0: index 2 is 4, but there are 4 vertices", [](GltfFile& f) {
     f.primitive()["indices"] =

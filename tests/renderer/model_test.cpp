@@ -339,10 +339,17 @@ TEST_F(RealModels, ThatAreBrokenSayHow) {
            {"glTF2/IndexOutOfRange/IndexOutOfRange.gltf", "index 0 is 255"},
            {"glTF2/MissingBin/BoxTextured.gltf", "BoxTextured0.bin"},
            {"glTF2/RecursiveNodes/RecursiveNodes.gltf", "node 0 is reached twice"},
-           {"glTF2/wrongTypes/badArray.gltf", "no triangles"},
+           {"glTF2/wrongTypes/badArray.gltf", "/meshes/0/primitives must be an array"},
+           {"glTF2/wrongTypes/badNumber.gltf", "must be"},
+           {"glTF2/wrongTypes/badObject.gltf", "must be"},
+           {"glTF2/wrongTypes/badString.gltf", "/scenes/0/name must be a string, not 42"},
+           {"glTF2/wrongTypes/badUint.gltf", "must be"},
+           {"glTF2/wrongTypes/badExtension.gltf", "must be"},
+           {"glTF2/SchemaFailures/sceneWrongType.gltf", "must be"},
            {"glTF2/BoxWithInfinites-glTF-Binary/BoxWithInfinites.glb", "not a finite number"},
            {"glTF/BoxTextured-glTF/BoxTextured.gltf", "only 2 is supported"},
-           {"invalid/malformed.obj", ""},
+           {"invalid/malformed.obj", "line 23: there is no vertex 12"},
+           {"invalid/malformed2.obj", "f names no vertex"},
            {"invalid/empty.obj", ""}}) {
     try {
       load(kRealModels + name);

@@ -197,7 +197,7 @@ TEST(Ramp, NumbersOfARealHypertexture) {
                 1e-3 * (1.0 + std::abs(divergence)));
     flattest = std::min(flattest, value(RampInput::kCurvature));
     sharpest = std::max(sharpest, value(RampInput::kCurvature));
-    const auto count = static_cast<double>(rock.cache().topology.components.size());
+    const auto count = static_cast<double>(rock.components().size());
     EXPECT_NEAR(value(RampInput::kComponent), rock.component_at(hit.primitive, p) / count, 1e-6);
     detached += value(RampInput::kComponent) != rock.main_component() / count;
   }

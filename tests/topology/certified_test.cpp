@@ -274,6 +274,80 @@ TEST(Certified, EndsCleanlyInTheMiddleOfTheWork) {
   }
 }
 
+// One tree that would never end, as nothing is ever decided.
+TEST(Certified, EndsInTheMiddleOfATree) {
+  std::atomic<bool> cancel{false};
+  Execution execution;
+  execution.cancel = &cancel;
+  CertifyOptions options;
+  options.box = cube(1.0);
+  options.max_depth = kMaxDepth;
+  Counted::Trigger stop{100'000, [&] { cancel = true; }};
+  EXPECT_THROW(certify(Counted(std::make_shared<Constant>(0.0), stop), options, execution),
+               Cancelled);
+}
+
+// x - 0.3, except that nothing is known of it, or that it is not finite, beyond x = 1/2.
+class Unbounded final : public ScalarField {
+ public:
+  explicit Unbounded(double beyond) : beyond_(beyond) {}
+  double value(const Imath::V3d& x) const override {
+    return x.x > 0.5 && !std::isfinite(beyond_) ? beyond_ : x.x - 0.3;
+  }
+  Jet jet(const Imath::V3d& x) const override {
+    return {.value = value(x), .gradient = Imath::V3d(1.0, 0.0, 0.0), .hessian = {}};
+  }
+  LocalModel model(const Box& box) const override {
+    LocalModel m;
+    m.centre = centre(box);
+    m.half = half_size(box);
+    m.c[monomial::k1] = m.centre.x - 0.3;
+    m.c[monomial::kX] = 1.0;
+    if (box.max.x > 0.5 && box.max.x - box.min.x > known_up_to_) {
+      constexpr double kInfinity = std::numeric_limits<double>::infinity();
+      m.value_error = m.hessian_error = kInfinity;
+      m.gradient_error = Imath::V3d(kInfinity);
+    }
+    m.add_rounding();
+    return m;
+  }
+  std::unique_ptr<ScalarField> restricted_to(const Box&) const override {
+    return std::make_unique<Unbounded>(*this);
+  }
+  double known_up_to_ = 0.0;
+
+ private:
+  double beyond_;
+};
+
+TEST(Certified, WhatIsNotFiniteIsAnErrorWithItsPlace) {
+  const auto error_of = [](const Unbounded& field, const Box& box) -> std::string {
+    try {
+      certify_in(field, box);
+    } catch (const NotFinite& e) {
+      return e.what();
+    }
+    return "";
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double value : {-kInfinity, kInfinity, std::nan("")}) {
+    const std::string error = error_of(Unbounded(value), Box(Imath::V3d(0.55), Imath::V3d(1.0)));
+    EXPECT_NE(error.find("not finite at (0."), std::string::npos) << error;
+    EXPECT_NE(error.find(std::isnan(value) ? "nan" : "inf"), std::string::npos) << error;
+    EXPECT_NE(error_of(Unbounded(value), cube(1.0)), "");
+  }
+  // F is finite, but its bounds are not.
+  const std::string error = error_of(Unbounded(1.0), cube(1.0));
+  EXPECT_NE(error.find("no bounds of it are known"), std::string::npos) << error;
+  EXPECT_NE(error.find("near (0."), std::string::npos) << error;
+  // Those of wide boxes may be missing.
+  Unbounded field(1.0);
+  field.known_up_to_ = 0.03;
+  const Topology t = certify_in(field, cube(1.0));
+  EXPECT_TRUE(t.certified);
+  EXPECT_EQ(t.components.size(), 1u);
+}
+
 TEST(Certified, CancelsAndRefusesBadOptions) {
   const auto field = geom::testing::field_of(geom::testing::eq13_json(1, 3));
   std::atomic<bool> cancel{true};

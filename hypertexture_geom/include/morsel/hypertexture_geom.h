@@ -28,7 +28,7 @@
 #include <stdint.h>
 
 #define MORSEL_API_VERSION_MAJOR 0
-#define MORSEL_API_VERSION_MINOR 1
+#define MORSEL_API_VERSION_MINOR 2
 
 #if defined(__GNUC__)
 #define MORSEL_API __attribute__((visibility("default")))
@@ -82,6 +82,10 @@ MORSEL_API MorselResult morsel_evaluate_field(MorselField field, const double* p
                                               double* values, double* gradients);
 
 /* ---- topology ---- */
+#define MORSEL_ENGINE_CERTIFIED 0u /* proved labels of the octree's cells */
+#define MORSEL_ENGINE_MORSE 1u     /* critical points and separatrices alone */
+#define MORSEL_ENGINE_BOTH 2u /* proved labels, critical points, and one checked by the other */
+
 typedef struct MorselBuildOptions {
   size_t struct_size;
   uint32_t threads; /* 0: all processors */
@@ -92,6 +96,8 @@ typedef struct MorselBuildOptions {
   /* Called now and then likewise; anything but 0 stops the work. May be NULL. */
   int32_t (*cancel)(void* user);
   void* user;
+  uint32_t engine; /* since 0.2: MORSEL_ENGINE_... */
+  uint32_t reserved2;
 } MorselBuildOptions;
 
 typedef struct MorselTopologyInfo {
@@ -108,6 +114,7 @@ typedef struct MorselTopologyInfo {
   double seconds;  /* the build took */
   double lower[3]; /* the box that was searched */
   double upper[3];
+  uint64_t critical_points; /* since 0.2: that it knows; 0 when the Morse engine did not run */
 } MorselTopologyInfo;
 
 typedef struct MorselComponent {
@@ -118,6 +125,22 @@ typedef struct MorselComponent {
   uint64_t cells;
   double seed[3]; /* a point in it or, where it has no cell of its own, next to it */
 } MorselComponent;
+
+#define MORSEL_CRITICAL_MAXIMUM 0u
+#define MORSEL_CRITICAL_SADDLE2 1u /* two negative eigenvalues of the Hessian */
+#define MORSEL_CRITICAL_SADDLE1 2u
+#define MORSEL_CRITICAL_MINIMUM 3u
+#define MORSEL_CRITICAL_DEGENERATE 4u /* the sign of an eigenvalue is not certain */
+
+typedef struct MorselCriticalPoint {
+  double position[3];
+  double radius;         /* the true point is within this of position along every axis */
+  double value;          /* of F there, positive */
+  double eigenvalues[3]; /* of the Hessian, ascending */
+  double axis[3];        /* unit eigenvector of the last of them */
+  uint32_t type;         /* MORSEL_CRITICAL_... */
+  uint32_t component;    /* MORSEL_NO_COMPONENT where that is unresolved */
+} MorselCriticalPoint;
 
 MORSEL_API MorselResult morsel_build_topology(MorselField field, const MorselBuildOptions* options,
                                               MorselTopology* topology);
@@ -133,8 +156,19 @@ MORSEL_API MorselResult morsel_topology_info(MorselTopology topology, MorselTopo
 MORSEL_API MorselResult morsel_topology_components(MorselTopology topology, size_t first,
                                                    size_t count, size_t component_size,
                                                    MorselComponent* components);
+MORSEL_API MorselResult morsel_topology_critical_points(MorselTopology topology, size_t first,
+                                                        size_t count, size_t point_size,
+                                                        MorselCriticalPoint* points);
 
 /* ---- geometry ---- */
+#define MORSEL_SOLVER_MODEL 0u   /* a certified cubic for each primitive; F polishes the root */
+#define MORSEL_SOLVER_SEGMENT 1u /* ranges of slopes for each primitive */
+#define MORSEL_SOLVER_SPHERE 2u  /* sphere tracing, one primitive, for comparison: slow */
+
+#define MORSEL_MEMBERSHIP_LABELS 0u     /* by the labelled octree */
+#define MORSEL_MEMBERSHIP_STREAMLINE 1u /* by an ascent to a maximum, for comparison: slow */
+#define MORSEL_MEMBERSHIP_OFF 2u        /* every component is kept */
+
 typedef struct MorselGeometryOptions {
   size_t struct_size;
   /* Which components to keep: "main" (the default, also for NULL), "largest:K", "volume:V",
@@ -143,6 +177,8 @@ typedef struct MorselGeometryOptions {
   double far_distance; /* how far ray origins may be, in diameters of the object; 0: 100 */
   uint32_t threads;    /* 0: all processors */
   uint32_t reserved;
+  uint32_t solver;     /* since 0.2: MORSEL_SOLVER_... */
+  uint32_t membership; /* since 0.2: MORSEL_MEMBERSHIP_... */
 } MorselGeometryOptions;
 
 typedef struct MorselGeometryInfo {
