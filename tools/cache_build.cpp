@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <set>
 
@@ -20,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using render::CacheState;
 
+constexpr std::uint64_t kAnyNumber = std::numeric_limits<std::uint64_t>::max();
+
 struct Options {
   SceneOptions scene;
   ReportingOptions reporting;
@@ -31,7 +34,7 @@ struct Options {
   int max_depth = 0;  // 0: as the scene says
   std::string engine = "certified";
   double perturbation = 0.0;
-  std::string euler = "mesh";
+  std::string euler = "auto";
   double max_memory = 0.0;  // GiB; 0: no limit
 };
 
@@ -69,7 +72,7 @@ std::string reason_to_build(const render::CacheInspection& found, bool own_name,
       const nlohmann::json meta = topology::morse_meta(found.cache->sections, "topology cache");
       if (const double had = meta.value("perturbation", 0.0); had != wanted.perturbation)
         return fmt::format("made with the perturbation {}", had);
-      if (engine == topology::Engine::kBoth && wanted.audit.mesh &&
+      if (engine == topology::Engine::kBoth && wanted.audit.mesh_leaves == kAnyNumber &&
           !audit_of(*found.cache).value("mesh_asked", false))
         return "audited without the mesh";
       break;
@@ -87,7 +90,8 @@ class Builder {
         document_(options.scene.scene, overrides()),
         engine_(topology::engine_named(options.engine)) {
     engine_.perturbation = options.perturbation;
-    engine_.audit.mesh = options.euler == "mesh";
+    engine_.audit.mesh = options.euler != "octree";
+    if (options.euler == "mesh") engine_.audit.mesh_leaves = kAnyNumber;
   }
 
   int run() {
@@ -271,8 +275,8 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "--audit-euler", options->euler,
           "both: compare the Euler characteristics of the critical points with those of the "
           "octree's cells alone, or also with those of the certified mesh, which takes several "
-          "times as long")
-      ->check(CLI::IsMember({"octree", "mesh"}))
+          "times as long; auto: with the mesh up to a million leaves")
+      ->check(CLI::IsMember({"auto", "octree", "mesh"}))
       ->capture_default_str();
   command
       ->add_option(

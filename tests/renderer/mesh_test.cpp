@@ -360,7 +360,8 @@ TEST(Gltf, HostileFilesAreErrors) {
   // What is of the wrong type.
   expect_refused("/accessors/0/count must be a whole number, 0 or more, not \"four\"",
                  [](GltfFile& f) { f.json["accessors"][0]["count"] = "four"; });
-  expect_refused("/accessors must be an array, not 7", [](GltfFile& f) { f.json["accessors"] = 7; });
+  expect_refused("/accessors must be an array, not 7",
+                 [](GltfFile& f) { f.json["accessors"] = 7; });
   expect_refused("/meshes/0/primitives must be an array, not {\"mode\":4}", [](GltfFile& f) {
     f.json["meshes"][0]["primitives"] = {{"mode", 4}};
   });

@@ -138,7 +138,7 @@ TEST_F(CacheCommandTest, EnginesAndTheirAudit) {
                                       both["critical_points"]["saddles2"].get<int>())),
             std::string::npos)
       << less.out;
-  const CommandResult more = build({"--engine", "both", "-o", small});
+  const CommandResult more = build({"--engine", "both", "--audit-euler", "mesh", "-o", small});
   EXPECT_NE(more.out.find("audited without the mesh"), std::string::npos) << more.out;
   EXPECT_NE(more.out.find("by octree and mesh"), std::string::npos) << more.out;
   EXPECT_GE(both["critical_points"]["maxima"], both["components"]);

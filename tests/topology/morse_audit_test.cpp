@@ -135,6 +135,7 @@ TEST_F(AuditSees, NothingWrong) {
   EXPECT_EQ(a.euler, (std::vector<std::int64_t>{1, 1}));
   EXPECT_EQ(complex_.sets.size(), 2u);
   EXPECT_FALSE(audit(field_, certified_, complex_, {}, {.mesh = false}).euler_by_mesh);
+  EXPECT_FALSE(audit(field_, certified_, complex_, {}, {.mesh_leaves = 10}).euler_by_mesh);
 }
 
 TEST_F(AuditSees, JoinedMaximaInDifferentComponentsWhateverIsOpen) {

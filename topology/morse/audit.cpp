@@ -35,13 +35,13 @@ class Auditor {
   }
 
   Audit run(const AuditOptions& options) {
-    audit_.mesh_asked = options.mesh;
+    audit_.mesh_asked = options.mesh && topology_.leaves <= options.mesh_leaves;
     locate_points();
     compare_points_with_sets();
     if (!points_open_ && !topology_.touches_box) {
       compare_sets_with_components();
       look_for_missing_maxima();
-      if (topology_.certified) compare_euler(options);
+      if (topology_.certified) compare_euler();
     }
     audit_.conclusive = audit_.reasons.empty();
     return std::move(audit_);
@@ -165,7 +165,7 @@ class Auditor {
     }
   }
 
-  void compare_euler(const AuditOptions& options) {
+  void compare_euler() {
     OctreeEuler euler = octree_euler(field_, topology_, execution_);
     if (!euler.undecided.empty()) {
       const Imath::V3d c = centre(euler.undecided.front().box);
@@ -189,7 +189,7 @@ class Auditor {
                       c, audit_.euler[c], sums[c].maxima, sums[c].saddles2, sums[c].saddles1,
                       sums[c].minima, sums[c].euler()));
     }
-    if (options.mesh) compare_mesh();
+    if (audit_.mesh_asked) compare_mesh();
   }
 
   void compare_mesh() {

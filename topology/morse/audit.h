@@ -26,7 +26,7 @@ struct Audit {
   std::vector<Disagreement> disagreements;      // the first 100
   std::vector<std::uint32_t> component_of_set;  // kNoComponent: none
   std::vector<std::int64_t> euler;              // of each component, from the octree; empty: open
-  bool mesh_asked = false;                      // AuditOptions::mesh
+  bool mesh_asked = false;                      // AuditOptions: the mesh was made
   bool euler_by_mesh = false;  // and the mesh was certified, hence compared as well
   double perturbation = 0.0;   // of the field that the Morse engine looked at
   double seconds = 0.0;
@@ -40,6 +40,9 @@ struct AuditOptions {
   // Also extract the certified mesh of all components and take Euler characteristics from it: a
   // third witness, which shares no step with the octree's count.
   bool mesh = true;
+  // Unless the octree has more leaves than this: a mesh takes about 1.5 kB a leaf while it is made,
+  // many times what the octree does.
+  std::uint64_t mesh_leaves = 1'000'000;
 };
 
 Audit audit(const ScalarField& field, const Topology& certified, const MorseComplex& complex,
