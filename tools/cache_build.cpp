@@ -159,7 +159,7 @@ class Builder {
 
   void report(const geom::Hypertexture& hypertexture, const fs::path& file,
               const std::string& reason, const topology::TopologyCache& cache) {
-    for (const std::string& text : render::topology_warnings(hypertexture.name, cache.topology))
+    for (const std::string& text : render::topology_warnings(hypertexture, cache.topology))
       reporter_.warn(text);
     if (options_.json) {
       nlohmann::json result = topology::describe(cache, hypertexture.keep);

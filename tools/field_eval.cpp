@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "hypertexture_geom/params/parameter.h"
 #include "renderer/scene/scene_json.h"
 #include "tools/commands.h"
 #include "tools/scene_options.h"
@@ -64,6 +65,11 @@ std::vector<Imath::V3d> read_points(std::istream& in, const std::string& name,
     if (!point)
       throw UsageError(fmt::format("{}: line {}: must be three numbers x y z, not \"{}\"", name,
                                    number, line.substr(0, 80)));
+    for (int axis = 0; axis < 3; ++axis)
+      if (const double x = (*point)[axis]; std::abs(x) > params::kFarthest)
+        throw UsageError(
+            fmt::format("{}: line {}: {} is {:.6g}, must be between {:.15g} and {:.15g}", name,
+                        number, "xyz"[axis], x, -params::kFarthest, params::kFarthest));
     points.push_back(*point);
   }
   if (session.cancel->load()) throw topology::Cancelled();

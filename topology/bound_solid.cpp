@@ -10,8 +10,9 @@
 namespace morsel::topology {
 namespace {
 
-constexpr int kBlock = 8;       // points along a side of a block, which shares one restricted field
-constexpr int kFaceDepth = 12;  // cells of a face this small stay undecided
+constexpr int kBlock = 8;  // points along a side of a block, which shares one restricted field
+constexpr int kFirstBlocks = 4;   // along a side of the first grid
+constexpr int kFaceDepth = 12;    // cells of a face this small stay undecided
 constexpr double kMargin = 0.04;  // of the solid's size, on each side
 
 Box intersection(Box a, const Box& b) {
@@ -22,13 +23,12 @@ Box intersection(Box a, const Box& b) {
   return a;
 }
 
-// Bounding box of the grid points of `region` where F >= 0; the grid has blocks * kBlock points
-// along each axis.
-Box sampled_solid(const ScalarField& field, const Box& region, int blocks) {
+// Calls visit(block, x, F(x)) for the points of a grid in `region`, blocks * kBlock along each
+// axis, those of a block one after another, blocks in parallel; there are blocks^3.
+template <class Visit>
+void sample(const ScalarField& field, const Box& region, int blocks, const Visit& visit) {
   const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
-  std::vector<Box> found(static_cast<std::size_t>(blocks) * blocks * blocks);
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t n) {
-    const int b = static_cast<int>(n);
+  tbb::parallel_for(0, blocks * blocks * blocks, [&](int b) {
     const Imath::V3d corner =
         region.min +
         step * Imath::V3d(b % blocks, b / blocks % blocks, b / (blocks * blocks)) * double{kBlock};
@@ -38,8 +38,18 @@ Box sampled_solid(const ScalarField& field, const Box& region, int blocks) {
       for (int j = 0; j < kBlock; ++j)
         for (int i = 0; i < kBlock; ++i) {
           const Imath::V3d x = corner + step * Imath::V3d(i + 0.5, j + 0.5, k + 0.5);
-          if (local->value(x) >= 0.0) found[n].extendBy(x);
+          visit(static_cast<std::size_t>(b), x, local->value(x));
         }
+  });
+}
+
+std::size_t cube(int n) { return static_cast<std::size_t>(n) * n * n; }
+
+// Bounding box of the grid points of `region` where F >= 0.
+Box sampled_solid(const ScalarField& field, const Box& region, int blocks) {
+  std::vector<Box> found(cube(blocks));
+  sample(field, region, blocks, [&](std::size_t block, const Imath::V3d& x, double value) {
+    if (value >= 0.0) found[block].extendBy(x);
   });
   Box all;
   for (const Box& box : found) all.extendBy(box);
@@ -77,7 +87,7 @@ Box face_of(const Box& box, int axis, bool upper) {
 Box find_solid(const ScalarField& field, const Box& outer) {
   Box inside;
   Box region = outer;
-  int blocks = 4;
+  int blocks = kFirstBlocks;
   for (int pass = 0; pass < 4; ++pass) {
     const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
     inside.extendBy(sampled_solid(field, region, blocks));
@@ -109,6 +119,23 @@ std::optional<Imath::V3d> place_where_cut(const ScalarField& field, const Box& b
     if (const auto place = not_proved_empty(field, face_of(box, i / 2, i % 2 == 1), i / 2, 0))
       return place;
   return std::nullopt;
+}
+
+std::optional<Imath::V3d> place_beyond(const ScalarField& field, const Box& outer, const Box& box) {
+  struct Best {
+    double value = -1.0;
+    Imath::V3d x{0.0};
+  };
+  if (outer.isEmpty()) return std::nullopt;
+  std::vector<Best> found(cube(kFirstBlocks));
+  sample(field, outer, kFirstBlocks, [&](std::size_t block, const Imath::V3d& x, double value) {
+    if (value >= 0.0 && value > found[block].value && !box.intersects(x)) found[block] = {value, x};
+  });
+  Best best;
+  for (const Best& b : found)
+    if (b.value > best.value) best = b;
+  if (best.value < 0.0) return std::nullopt;
+  return best.x;
 }
 
 }  // namespace morsel::topology

@@ -19,4 +19,8 @@ Box find_solid(const ScalarField& field, const Box& outer);
 // which F < 0 is not proved. Empty when it is proved on all of the boundary.
 std::optional<Imath::V3d> place_where_cut(const ScalarField& field, const Box& box);
 
+// A point of `outer` but not of `box` with F >= 0: of a grid, the one where F is largest; empty
+// when the grid, the one that find_solid begins with, meets none. Small pieces can be missed.
+std::optional<Imath::V3d> place_beyond(const ScalarField& field, const Box& outer, const Box& box);
+
 }  // namespace morsel::topology

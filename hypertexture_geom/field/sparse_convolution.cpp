@@ -18,6 +18,19 @@ using topology::Interval;
 using topology::Jet;
 using topology::LocalModel;
 
+// Of octaves of frequency f, with u = 2^-53: an impulse of cell i lies at p with f p in [i, i + 1]
+// up to a factor (1 + u)^2, since the sum and the quotient that make p are rounded, and it is 0
+// from f |x - p| = 1 + u on, since f^2 is rounded. Where it is not 0, therefore, i <= f x + 1 and
+// i + 1 >= f x - 1 but for 3 u (1 + |f x|). Rounding f x and two sums here adds 3 u more: 6 u in
+// all, and this is 8 u. No more than 2 cells as far as there are cells, so that a box always asks
+// for few.
+constexpr double kCellMargin = 0x1p-50;
+
+// Cells farther out hold no impulses: a double has two bits left there for a place within one.
+// Scenes come to 10^15, a coordinate of 10^6 at 10^9 cells per unit; warps, and callers of the
+// library, may go beyond.
+constexpr double kFarthestCell = 0x1p51;
+
 // Bound on |n| of one octave with unit amplitude: the worst place sees every cell's impulses at the
 // cell's nearest point with weight 1. Worst over a grid of places with a margin for what lies
 // between.
@@ -159,10 +172,14 @@ class SparseConvolution final : public Expression {
     const RadialSum frame(box);
     std::int64_t lo[3], hi[3];
     for (int axis = 0; axis < 3; ++axis) {
-      // One cell is the kernel's radius; the margin covers the rounding of the products.
-      const double a = box.min[axis] * o.frequency, b = box.max[axis] * o.frequency;
-      lo[axis] = static_cast<std::int64_t>(std::floor(a - 1.0 - 1e-9 * (1.0 + std::abs(a))));
-      hi[axis] = static_cast<std::int64_t>(std::floor(b + 1.0 + 1e-9 * (1.0 + std::abs(b))));
+      constexpr double kBeyond = 2.0 * kFarthestCell;  // where the range of cells is empty
+      const double a = std::clamp(box.min[axis] * o.frequency, -kBeyond, kBeyond);
+      const double b = std::clamp(box.max[axis] * o.frequency, -kBeyond, kBeyond);
+      if (!(a <= b)) return;  // not numbers
+      const double first = std::floor(a - 1.0 - kCellMargin * (1.0 + std::abs(a)));
+      const double last = std::floor(b + 1.0 + kCellMargin * (1.0 + std::abs(b)));
+      lo[axis] = static_cast<std::int64_t>(std::max(first, -kFarthestCell));
+      hi[axis] = static_cast<std::int64_t>(std::min(last, kFarthestCell));
     }
     const double scale = o.amplitude * std::sqrt(3.0 / parameters.impulses_per_cell);
     Impulse p;

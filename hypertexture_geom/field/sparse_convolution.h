@@ -35,7 +35,7 @@ struct SparseConvolutionParameters {
 //   continuously differentiable)
 // with m impulses uniformly distributed in every unit lattice cell, w_k uniform in [-1, 1). The
 // mean is 0 and the standard deviation 0.5345 whatever m: m/3 (3/m) 4 pi int K^2 r^2 dr = 0.2857 is
-// its square.
+// its square. Cells more than 2^51 from the origin have no impulses: doubles do not resolve them.
 std::unique_ptr<Expression> make_sparse_convolution(const SparseConvolutionParameters& parameters);
 
 }  // namespace morsel::geom

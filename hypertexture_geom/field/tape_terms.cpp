@@ -20,6 +20,9 @@ constexpr double kUp = 1.0 + 1e-12;
 
 Interval about_zero(double size) { return {-size, size}; }
 
+// Lattice coordinates from here on are not told apart in double precision: noises end there.
+constexpr double kFarthestCell = 0x1p51;
+
 }  // namespace
 
 // The bounds of a function of the point, by the chain rule where the point is computed: y is off by
@@ -184,7 +187,12 @@ TapeValue TapeBuilder::impulse_process(const SparseConvolutionParameters& parame
   constants_.push_back(o.frequency);
   std::int64_t cell[3];
   for (int a = 0; a < 3; ++a) {
-    const double q = scope_.centre[a] * o.frequency, corner = std::floor(q);
+    double q = scope_.centre[a] * o.frequency;
+    if (!(std::abs(q) < kFarthestCell)) {
+      far = kInfinity;
+      q = 0.0;
+    }
+    const double corner = std::floor(q);
     cell[a] = static_cast<std::int64_t>(corner);
     constants_.push_back(q - corner);
     wide = std::max(wide, scope_.reach[a] * o.frequency);
@@ -231,8 +239,12 @@ TapeValue TapeBuilder::perlin(double amplitude, double frequency, const PerlinLa
   std::int64_t first[3], cells[3];
   double off = 0.0, far = 0.0;
   for (int a = 0; a < 3; ++a) {
-    const double q = scope_.centre[a] * frequency + lattice.offset()[a];
+    double q = scope_.centre[a] * frequency + lattice.offset()[a];
     const double reach = scope_.reach[a] * frequency * kUp;
+    if (!(std::abs(q) < kFarthestCell)) {
+      far = kInfinity;
+      q = 0.0;
+    }
     first[a] = static_cast<std::int64_t>(std::floor(table ? q - reach : q));
     cells[a] =
         std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(q + reach)) - first[a]);

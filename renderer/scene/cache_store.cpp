@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "topology/bound_solid.h"
 #include "topology/checkpoint.h"
 
 namespace morsel::render {
@@ -38,6 +39,35 @@ void prepare_folder(const fs::path& file) {
   if (!error && fs::is_directory(file)) error = std::make_error_code(std::errc::is_a_directory);
   if (error)
     throw topology::CacheError(fmt::format("{}: cannot write: {}", file.string(), error.message()));
+}
+
+// Said of a solid that does not cross its bounds but is, or has pieces, outside of them.
+std::string solid_out_of_bounds(const geom::Hypertexture& hypertexture,
+                                const topology::Topology& topology) {
+  const topology::Box& box = hypertexture.certify.box;
+  const auto text_of = [](const topology::Box& b) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.min.x, b.min.y,
+                       b.min.z, b.max.x, b.max.y, b.max.z);
+  };
+  const bool nothing = topology.components.empty();
+  const std::optional<topology::Box> extent = hypertexture.field->solid_bounds();
+  std::optional<Imath::V3d> place;
+  if (extent && (nothing || !box.intersects(extent->min) || !box.intersects(extent->max)))
+    place = topology::place_beyond(*hypertexture.field, *extent, box);
+  if (!nothing && !place) return "";
+  std::string text =
+      nothing ? fmt::format("geometry \"{}\": there is no solid within its bounds, {}",
+                            hypertexture.name, text_of(box))
+              : fmt::format(
+                    "geometry \"{}\": a piece of its solid is outside its bounds, {}, and "
+                    "left out",
+                    hypertexture.name, text_of(box));
+  if (place)
+    text +=
+        fmt::format("; there is some at ({:.4g}, {:.4g}, {:.4g})", place->x, place->y, place->z);
+  else if (extent && !extent->isEmpty())
+    text += fmt::format("; it may extend over {}", text_of(*extent));
+  return text;
 }
 
 }  // namespace
@@ -72,14 +102,17 @@ CacheInspection inspect_cache(const fs::path& file, const std::string& field_has
   return found;
 }
 
-std::vector<std::string> topology_warnings(const std::string& geometry,
+std::vector<std::string> topology_warnings(const geom::Hypertexture& hypertexture,
                                            const topology::Topology& topology) {
+  const std::string& geometry = hypertexture.name;
   std::vector<std::string> warnings;
   if (const auto& place = topology.touches_box)
     warnings.push_back(
         fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, {:.4g}) "
                     "and is cut there",
                     geometry, place->x, place->y, place->z));
+  else if (std::string text = solid_out_of_bounds(hypertexture, topology); !text.empty())
+    warnings.push_back(std::move(text));
   if (!topology.certified)
     warnings.push_back(
         fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",

@@ -39,8 +39,8 @@ struct StoredCache {
 };
 
 // What the user of a geometry should know of its topology: where the surface reaches the box and is
-// cut, and how much stayed undecided.
-std::vector<std::string> topology_warnings(const std::string& geometry,
+// cut, or is outside of it altogether, and how much stayed undecided. Samples the field.
+std::vector<std::string> topology_warnings(const geom::Hypertexture& hypertexture,
                                            const topology::Topology& topology);
 
 // Hands out caches for a scene's geometries; geometries of one fingerprint share one cache.

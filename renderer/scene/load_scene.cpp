@@ -270,7 +270,7 @@ class SceneLoader {
       const geom::Hypertexture& hypertexture) {
     const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
     const topology::Topology& topology = stored.cache->topology;
-    for (const std::string& text : topology_warnings(hypertexture.name, topology)) warn(text);
+    for (const std::string& text : topology_warnings(hypertexture, topology)) warn(text);
     geom::GeometryOptions ray_options;
     ray_options.keep = hypertexture.keep;
     ray_options.solver = hypertexture.solver;

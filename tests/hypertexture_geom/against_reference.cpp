@@ -13,6 +13,7 @@
 #include "tests/hypertexture_geom/reference_field.h"
 #include "tests/hypertexture_geom/soundness.h"
 #include "tests/hypertexture_geom/test_fields.h"
+#include "topology/model_batch.h"
 
 namespace morsel::geom::testing {
 namespace {
@@ -34,6 +35,20 @@ json random_field(std::mt19937_64& random) {
   if (random() % 3 != 0) {
     const auto& names = random() % 3 == 0 ? boolean_densities() : simple_densities();
     field["density"] = random_density(names[random() % names.size()], random);
+  }
+  return field;
+}
+
+// A sphere and sums of sparse convolution alone: what the models of eight children at once are
+// written for; other fields go through them one by one.
+json random_sum(std::mt19937_64& random) {
+  RandomModulation make(random);
+  json field{{"density", random_density("sphere", random)}, {"modulations", json::array()}};
+  for (int n = make.integer(1, 3); n > 0; --n) {
+    json m = make.of("fbm");
+    m["noise"] = "sparse_convolution";
+    m.erase("mask");
+    field["modulations"].push_back(std::move(m));
   }
   return field;
 }
@@ -167,11 +182,12 @@ class Checker {
 
 ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed, bool flush_to_zero,
                                        double scale) {
-  constexpr int kBoxesOfAField = 40, kSamplesOfABox = 40;
+  constexpr int kBoxesOfAField = 40, kSamplesOfABox = 40, kSamplesOfAChild = 10;
   std::mt19937_64 random(seed);
   ReferenceCheck check;
   while (check.samples < samples) {
-    const json description = random_field(random);
+    const bool sum = check.fields % 4 == 3;
+    const json description = sum ? random_sum(random) : random_field(random);
     const auto field = field_of(description);
     const auto reference = reference_field(field->canonical_json());
     std::vector<std::array<double, 3>> places;
@@ -180,13 +196,21 @@ ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed,
     ++check.fields;
     for (int n = 0; n < kBoxesOfAField; ++n) {
       const Box box = random_box(random, places);
+      // Of all boxes of sums, and a few of the others.
+      const bool children = sum || n % 8 == 0;
       topology::LocalModel model;
+      topology::ModelBatch batch;
       {
         const FlushToZero mode(flush_to_zero);
         // As the octree does it, and directly.
         model = n % 2 == 0 ? field->model(box) : field->restricted_to(box)->model(box);
+        if (children) field->restricted_to(box)->child_models(box, 0xffu, batch);
       }
       checker.box(model, box, random, kSamplesOfABox);
+      if (!children) continue;
+      for (int i = 0; i < topology::ModelBatch::kSize; ++i)
+        checker.box(batch[i], topology::child_box(box, i), random, kSamplesOfAChild);
+      check.child_boxes += topology::ModelBatch::kSize;
     }
   }
   return check;

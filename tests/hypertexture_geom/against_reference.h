@@ -9,6 +9,7 @@ namespace morsel::geom::testing {
 // What local models were seen to break, of how many samples.
 struct ReferenceCheck {
   std::int64_t fields = 0, boxes = 0, samples = 0;
+  std::int64_t child_boxes = 0;  // of boxes, those whose models came eight at a time
   std::int64_t value = 0, gradient = 0, range = 0, gradient_range = 0;
   std::int64_t undefined = 0;       // NaN for a bound, or a coefficient that is not finite
   std::int64_t infinite = 0;        // boxes without a bound where there is to be one
@@ -28,8 +29,9 @@ struct ReferenceCheck {
 // Random fields of every kind and composition, random boxes of widths 2^-1 to 2^-20 (about one half
 // straddling an apex, a support border, a lattice plane or the end of a mask; some flat, some where
 // values underflow), sample points in long double against the models' bounds for value and
-// gradient, by an independent implementation of the fields (reference_field.h). `scale` < 1 weakens
-// the bounds, to show that that is noticed.
+// gradient, by an independent implementation of the fields (reference_field.h). Models come from
+// model(), restricted fields' model() and child_models(), all eight. `scale` < 1 weakens the
+// bounds, to show that that is noticed.
 ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed, bool flush_to_zero,
                                        double scale = 1.0);
 

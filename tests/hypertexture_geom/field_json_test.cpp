@@ -9,6 +9,7 @@ namespace {
 
 using nlohmann::json;
 using testing::eq13_json;
+using topology::Box;
 
 // The message of the InputError that `json` provokes as a hypertexture geometry.
 std::string error_of(const json& value) {
@@ -101,6 +102,53 @@ TEST(FieldJson, TheFarthestObjectIsBuilt) {
   const topology::TopologyCache cache = build_cache(h);
   EXPECT_EQ(cache.topology.components.size(), 1u);
   EXPECT_TRUE(cache.topology.certified);
+}
+
+// The finest lattice at the farthest place: as many cells are looked at as anywhere.
+TEST(FieldJson, TheFinestNoiseIsEvaluatedAtTheFarthestPlace) {
+  for (const char* noise : {"sparse_convolution", "perlin"})
+    for (const json& octaves :
+         {json{{"frequency", 1e6}}, json{{"frequency", 1e6}, {"layers", 4}, {"lacunarity", 8}},
+          json{{"frequency", 1e6}, {"layers", 10}}}) {
+      json m{{"type", "fbm"}, {"noise", noise}};
+      m.update(octaves);
+      json warp = m, rocks = rock();
+      warp["type"] = "warp";
+      warp["amplitude"] = 1e6;
+      rocks["field"] = {{"density", {{"type", "sphere"}}}, {"modulations", {m, warp, m}}};
+      rocks["bounds"] = {{"min", {-1e6, -1e6, -1e6}}, {"max", {1e6, 1e6, 1e6}}};
+      // Evaluates at the middle and at the corners.
+      const auto field = hypertexture_from_json(rocks, params::Place{"t", ""}).field;
+      for (const Imath::V3d& x : {Imath::V3d(1e6), Imath::V3d(1000), Imath::V3d(-1e6, 1e5, 7)}) {
+        const double value = field->value(x);
+        EXPECT_TRUE(std::isfinite(value)) << rocks << x;
+        EXPECT_TRUE(std::isfinite(field->jet(x).value));
+        const double h = 2e-10;
+        const Box box(x - Imath::V3d(h), x + Imath::V3d(h));
+        EXPECT_NEAR(field->restricted_to(box)->value(x), value, 1e-6 * std::abs(value));
+        EXPECT_TRUE(field->model(box).range().contains(value)) << rocks << x;
+        // Beyond what a scene may ask for: finite all the same, or infinite, but at once.
+        field->value(x * 1e300);
+        field->model(Box(x * 1e20, x * 1e20));
+      }
+    }
+}
+
+// Impulses within reach are found where a cell is a few units in the last place wide: a point, its
+// neighbours and a box about them see the same impulses.
+TEST(FieldJson, FarCellsAreListedWhole) {
+  json m{{"type", "fbm"}, {"frequency", 1e6}, {"layers", 4}, {"lacunarity", 8}, {"hurst", 0}};
+  const auto field = field_from_json({{"density", {{"type", "sphere"}}}, {"modulations", {m}}},
+                                     params::Place{"t", ""});
+  for (const double far : {1.0, 1e3, 3e5, 999999.0}) {
+    for (int n = 0; n < 50; ++n) {
+      const Imath::V3d x = Imath::V3d(far, -far, far) + Imath::V3d(n * 1.7e-9, n * 2.3e-9, 0);
+      const Imath::V3d reach(3.7e-9);
+      const double alone = field->value(x);
+      const auto local = field->restricted_to(Box(x - reach, x + reach));
+      EXPECT_NEAR(local->value(x), alone, 1e-13 * (1.0 + std::abs(alone))) << far << " " << n;
+    }
+  }
 }
 
 TEST(FieldJson, TheFingerprintFollowsTheFieldAndNotItsSpelling) {

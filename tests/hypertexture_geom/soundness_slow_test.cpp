@@ -13,11 +13,14 @@ namespace {
 void expect_sound(bool flush, std::uint64_t seed) {
   const ReferenceCheck check = check_against_reference(5'000'000, seed, flush);
   std::printf(
-      "%lld samples in %lld boxes of %lld fields; on %lld wide boxes slopes have no bound\n",
+      "%lld samples in %lld boxes (%lld eight at a time) of %lld fields; on %lld wide boxes slopes "
+      "have no bound\n",
       static_cast<long long>(check.samples), static_cast<long long>(check.boxes),
-      static_cast<long long>(check.fields), static_cast<long long>(check.without_slopes));
+      static_cast<long long>(check.child_boxes), static_cast<long long>(check.fields),
+      static_cast<long long>(check.without_slopes));
   EXPECT_EQ(check.total(), 0) << check.text();
   EXPECT_LT(check.without_slopes, check.boxes / 20);
+  EXPECT_GT(check.child_boxes, check.boxes / 4);
 }
 
 TEST(SoundnessSlow, TenMillionSamplesGradualUnderflow) { expect_sound(false, 21); }

@@ -19,6 +19,7 @@ TEST(Soundness, BoundsHoldInLongDouble) {
     const ReferenceCheck check = check_against_reference(100'000, flush ? 11 : 12, flush);
     EXPECT_EQ(check.total(), 0) << check.text();
     EXPECT_LT(check.without_slopes, check.boxes / 20);
+    EXPECT_GT(check.child_boxes, check.boxes / 4);
   }
 }
 

@@ -316,6 +316,36 @@ TEST_F(CacheCommandTest, ASurfaceThatIsCutIsAWarningWithThePlace) {
   EXPECT_EQ(build().err.find("reaches its bounds"), std::string::npos);
 }
 
+TEST_F(CacheCommandTest, ASolidOutOfBoundsIsAWarningWithThePlace) {
+  const auto warned = [&](const json& field, const json& bounds) {
+    const CommandResult result = build({"--set", "geometries.rock.field=" + field.dump(), "--set",
+                                        "geometries.rock.bounds=" + bounds.dump()});
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.err;
+  };
+  const json ball{{"type", "sphere"}, {"radius", 0.5}};
+  json other = ball;
+  other["center"] = {3, 0, 0};
+  const json both{{"type", "union"}, {"densities", {ball, other}}};
+  const json about{{"min", {-1, -1, -1}}, {"max", {1, 1, 1}}};
+  // All of it, and no more than a piece.
+  std::string err = warned({{"density", ball}}, {{"min", {2, 2, 2}}, {"max", {3, 3, 3}}});
+  EXPECT_NE(err.find("\"rock\": there is no solid within its bounds"), std::string::npos) << err;
+  EXPECT_NE(err.find("there is some at ("), std::string::npos) << err;
+  err = warned({{"density", both}}, about);
+  EXPECT_NE(err.find("\"rock\": a piece of its solid is outside its bounds"), std::string::npos)
+      << err;
+  EXPECT_NE(err.find("there is some at ("), std::string::npos) << err;
+  EXPECT_NE(err.find("at (2.9"), std::string::npos) << err;
+  // Nothing anywhere.
+  const json none{{"density", ball}, {"modulations", {{{"type", "scale_offset"}, {"offset", -1}}}}};
+  err = warned(none, about);
+  EXPECT_NE(err.find("there is no solid within its bounds"), std::string::npos) << err;
+  // All is well.
+  EXPECT_EQ(warned({{"density", ball}}, about).find("bounds"), std::string::npos);
+  EXPECT_EQ(build().err.find("bounds"), std::string::npos);
+}
+
 TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {
   EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 1);
   ASSERT_EQ(build({"-o", cache_}).code, 0);

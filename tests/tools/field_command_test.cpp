@@ -64,6 +64,14 @@ TEST_F(FieldCommandTest, EvalNamesBadLines) {
     EXPECT_NE(result.err.find("line 2"), std::string::npos) << bad << ": " << result.err;
     EXPECT_NE(result.err.find(bad), std::string::npos) << bad << ": " << result.err;
   }
+  for (const char* far : {"1e300 0 0", "0 -1000001 0", "0 0 1e7"}) {
+    const CommandResult result = eval(std::string("-1e6 1e6 0\n") + far + "\n", ball_);
+    EXPECT_EQ(result.code, 2) << far;
+    EXPECT_EQ(result.out, "") << far;
+    EXPECT_NE(result.err.find("line 2"), std::string::npos) << far << ": " << result.err;
+    EXPECT_NE(result.err.find("between -1000000 and 1000000"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(eval("-1e6 1e6 0\n", ball_).code, 0);
   const std::string gone = (folder_ / "gone.txt").string();
   const CommandResult missing = run_morsel({"field", "eval", ball_, "--points", gone});
   EXPECT_EQ(missing.code, 2);
