@@ -148,13 +148,16 @@ TEST_F(RenderCommandTest, SeveralScenesGoIntoOneFolder) {
 
 // One that fails does not keep the others from being rendered, and is not forgotten.
 TEST_F(RenderCommandTest, AFailureAmongSeveralScenesIsTheExitCode) {
-  folder_.write("bad.json", kBallScene);  // its cache cannot be read
+  json bad = json::parse(kCommandScene);
+  bad["geometries"][0]["cache"] = "wrong.topo";
+  folder_.write("bad.json", bad.dump());
   folder_.write("wrong.topo", "not a cache");
   const CommandResult result =
-      run_morsel({"render", "bad.json", "scene.json", "--set", "geometries.0.cache=wrong.topo"},
-                 {.folder = folder_.path()});
+      run_morsel({"render", "bad.json", "scene.json"}, {.folder = folder_.path()});
   EXPECT_EQ(result.code, 1) << result.err;
   EXPECT_NE(result.err.find("wrong.topo"), std::string::npos) << result.err;
+  EXPECT_EQ(result.out, "scene.exr\nscene.png\n");
+  EXPECT_FALSE(exists("bad.exr"));
 }
 
 TEST_F(RenderCommandTest, EnvironmentsAreFoundBesideTheScene) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Completion of the command morsel for bash, and for zsh after `autoload bashcompinit && bashcompinit`.
+# Completion of the command morsel for bash.
 # Subcommands, flags and their choices are what `--help` says, so that this never falls behind.
 
 declare -gA _morsel_help
@@ -16,7 +16,7 @@ _morsel() {
   # The longest part of it that the program knows.
   local key help=""
   while :; do
-    key="${path[*]}"
+    key="morsel ${path[*]}"
     if [[ -z ${_morsel_help[$key]+x} ]]; then
       _morsel_help[$key]=$("${COMP_WORDS[0]}" "${path[@]}" --help 2>/dev/null) || _morsel_help[$key]=""
     fi
@@ -27,10 +27,10 @@ _morsel() {
 
   local words=""
   if [[ $word == -* ]]; then
-    words=$(grep -oE '(^|[ ,])--?[a-z][a-z-]*' <<<"$help" | tr -d ' ,' | sort -u)
+    words=$(grep -oE '(^|[ ,])--?[a-z][a-z-]*' <<<"$help" | tr -d ' ,' | sort -u) || true
   elif [[ $before == --* ]]; then
     # Choices stand in braces: --progress TEXT:{auto,bar,...}
-    words=$(grep -oE -- "$before [A-Z]+:\{[^}]*\}" <<<"$help" | head -n 1 | sed 's/.*{//; s/}//; s/,/ /g')
+    words=$(grep -oE -- "$before [A-Z]+:\{[^}]*\}" <<<"$help" | head -n 1 | sed 's/.*{//; s/}//; s/,/ /g') || true
     [[ $before == --solver ]] && words="model segment sphere"
     [[ $before == --membership ]] && words="labels streamline off"
     [[ $before == --keep ]] && words="main largest: volume: touching: all detached ids:"
