@@ -114,14 +114,12 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
   const LightGroup group = state.group(LightGroup::kInfinite);
   for (std::size_t i = 0; i < lights_.infinite_count(); ++i) {
     if (state.vertex == 0 && !lights_.infinite_visible_to_camera(i)) continue;
-    const V3f radiance = lights_.infinite_radiance(i, wi);
+    const auto [radiance, pdf] = state.previous_delta
+                                     ? Environment::Arriving{lights_.infinite_radiance(i, wi), 0.0f}
+                                     : lights_.infinite_arriving(group, i, state.previous_p, wi);
     if (state.vertex == 0 && i == 0) sample.alpha = 1.0f;
     if (!(max_component(radiance) > 0.0f)) continue;
-    const float weight =
-        state.previous_delta
-            ? 1.0f
-            : mis_weight(state.previous_pdf, lights_.infinite_pdf(group, i, state.previous_p, wi),
-                         false);
+    const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
     add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i),
               state.vertex > 1, sample);
   }
