@@ -43,11 +43,14 @@ double diameter_of(const topology::Box& box) {
 // Cells that one brick may serve, see BrickSet::Options, need not be told apart.
 constexpr int kMergeLevels = 2;
 
-// From this many cells of kept components on, memory counts more than the time of evaluations:
+// The more cells the kept components have, the more memory counts beside the time of evaluations:
 // bricks may then err by more before they are divided, and more of them share a block's field.
-constexpr std::uint64_t kManyCells = 2'000'000;
-constexpr double kCoarseErrorRatio = 0.1;
-constexpr int kWideBlockLevels = 6;
+struct BrickSizing {
+  std::uint64_t cells;  // from this many on
+  double error_ratio;
+  int block_levels;
+};
+constexpr BrickSizing kSizings[] = {{500'000, 0.06, 4}, {2'000'000, 0.1, 6}};
 
 // What rays need of the octree.
 std::vector<topology::OctreeNode> octree_for_rays(const topology::TopologyCache& cache,
@@ -82,9 +85,10 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box
     BrickSet::Options bricks{.margin = kMargin * diameter,
                              .slope_ranges = options.solver == Solver::kSegment,
                              .merge_levels = kMergeLevels};
-    if (cells > kManyCells) {
-      bricks.error_ratio = kCoarseErrorRatio;
-      bricks.block_levels = kWideBlockLevels;
+    for (const BrickSizing& sizing : kSizings) {
+      if (cells < sizing.cells) break;
+      bricks.error_ratio = sizing.error_ratio;
+      bricks.block_levels = sizing.block_levels;
     }
     surface = std::make_unique<BrickSurface>(
         BrickSet(field, octree, streamline ? all : keep, bricks), field, kTolerance * diameter);
