@@ -8,9 +8,12 @@
 
 #include "renderer/scene/load_scene.h"
 #include "renderer/scene/scene_json.h"
+#include "tools/bench_page.h"
 #include "tools/bench_renderer.h"
+#include "tools/bench_sweeps.h"
 #include "tools/bench_vs_mesh.h"
 #include "tools/commands.h"
+#include "tools/output_file.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
 
@@ -25,7 +28,9 @@ struct Options {
   int render_width = 320;
   int render_spp = 4;
   int threads = 0;
-  bool json = false;
+  int layers = 0;
+  bool scaling = false, json = false;
+  std::string html;
 };
 
 void print_renderer(const nlohmann::json& result) {
@@ -65,7 +70,30 @@ void print_vs_mesh(const nlohmann::json& result) {
       v["mesh"]["triangles"].get<std::uint64_t>(), v["ready_time"].get<double>());
 }
 
+void print_sweeps(const nlohmann::json& result) {
+  if (result.contains("scaling"))
+    for (const nlohmann::json& row : result["scaling"])
+      std::cout << fmt::format("  {} threads: {:.3g} samples/s, {:.2f} times one\n",
+                               row["threads"].get<int>(), row["samples_per_second"].get<double>(),
+                               row["speedup"].get<double>());
+  if (result.contains("layers"))
+    for (const nlohmann::json& row : result["layers"])
+      std::cout << fmt::format(
+          "  {} layers: labels {:.2f} s, {} components, {:.3g} samples/s, {:.2f} evaluations a "
+          "camera ray\n",
+          row["layers"].get<int>(), row["label_seconds"].get<double>(),
+          row["components"].get<std::uint64_t>(), row["samples_per_second"].get<double>(),
+          row["evaluations_per_ray"].get<double>());
+}
+
+void write_page(const std::string& name, const nlohmann::json& result) {
+  OutputFile file(name);
+  file.stream() << bench_page(result);
+  file.commit();
+}
+
 int run(const Options& options, const Session& session) {
+  if (!options.html.empty()) topology::require_replaceable(options.html);
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
   const bool camera = document.root().contains("camera");
   // Without a camera, or with a name, it is an error that there is no hypertexture.
@@ -73,6 +101,10 @@ int run(const Options& options, const Session& session) {
   if (!camera || !options.geometry.empty() || has_hypertexture(document))
     hypertexture =
         render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+  if (options.scaling && !camera)
+    throw UsageError("--scaling: the scene has no camera, so there is no render to measure");
+  if (options.layers > 0 && !(camera && hypertexture))
+    throw UsageError("--layers: needs a scene with a camera and a hypertexture");
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
   topology::Execution execution;
@@ -96,14 +128,22 @@ int run(const Options& options, const Session& session) {
                                         options.vs_mesh.repetitions, reporter);
     result["renderer_efficiency"] = result["renderer"]["efficiency"];
   }
+  const SweepRender sweep{options.render_width, options.render_spp, options.vs_mesh.repetitions};
+  if (options.scaling) result["scaling"] = bench_scaling(*scene, sweep, execution, reporter);
+  if (options.layers > 0)
+    result["layers"] = bench_layers(options.scene.scene, options.scene.overrides(),
+                                    hypertexture->name, options.layers, sweep, execution, reporter);
   result["threads"] =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  if (!options.html.empty()) write_page(options.html, result);
   if (options.json) {
     std::cout << result.dump(2) << '\n';
     return kDone;
   }
   if (hypertexture) print_vs_mesh(result);
   print_renderer(result);
+  print_sweeps(result);
+  if (!options.html.empty()) std::cout << options.html << '\n';
   return kDone;
 }
 
@@ -138,6 +178,13 @@ void add_bench(CLI::App& parent, Session& session) {
   command->add_option("--render-spp", options->render_spp, "Its samples a pixel")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
+  command->add_flag("--scaling", options->scaling,
+                    "Also the render with 1, 2, 4, ... threads up to all of the processor's");
+  command
+      ->add_option("--layers", options->layers,
+                   "Also the hypertexture with 1 to this many layers of noise: labels, rays")
+      ->check(CLI::Range(1, 16));
+  command->add_option("--html", options->html, "Also write a page with plots, complete in itself");
   command->add_flag("--json", options->json, "Print one JSON document");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

@@ -16,8 +16,11 @@ void add_cache_info(CLI::App& parent, Session& session);
 void add_cache_verify(CLI::App& parent, Session& session);
 void add_field_eval(CLI::App& parent, Session& session);
 void add_field_sample(CLI::App& parent, Session& session);
+void add_merge(CLI::App& parent, Session& session);
 void add_mesh(CLI::App& parent, Session& session);
 void add_render(CLI::App& parent, Session& session);
 void add_scene_check(CLI::App& parent, Session& session);
+void add_scene_new(CLI::App& parent, Session& session);
+void add_scene_schema(CLI::App& parent, Session& session);
 
 }  // namespace morsel::tools

@@ -10,18 +10,34 @@ namespace {
 std::atomic<bool> interrupted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch no other");
 
-void on_signal(int) { interrupted.store(true); }
+std::atomic<bool> picture_requested{false};
+
+void on_signal(int signal) {
+  if (!interrupted.exchange(true)) return;
+  // The second, whichever of the two it is: as if there were no handler.
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+void on_picture_signal(int) { picture_requested.store(true); }
 
 }  // namespace
 
 const std::atomic<bool>& install_interrupt_handler() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
-  // One shot: the second signal finds the default handler and ends the process.
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   return interrupted;
 }
+
+void install_picture_handler() {
+  struct sigaction action = {};
+  action.sa_handler = on_picture_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+bool take_picture_request() { return picture_requested.exchange(false); }
 
 }  // namespace morsel::tools

@@ -19,8 +19,9 @@ constexpr struct {
   const char* name;
   const char* help;
 } kRendererCommands[] = {{"bench", "Measure rays against those of a mesh; topology"},
-                         {"render", "Render a scene"},
-                         {"scene", "Look at a scene file: check"}};
+                         {"merge", "Join the shards of a render"},
+                         {"render", "Render scenes"},
+                         {"scene", "Scene files: check, new, schema"}};
 
 // Beside this executable in a build tree, in its own folder when installed.
 std::filesystem::path renderer_executable() {

@@ -133,4 +133,10 @@ void Reporter::warn(const std::string& message) {
   spdlog::warn("{}", message);
 }
 
+void Reporter::error(const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  clear_bar();
+  spdlog::error("{}", message);
+}
+
 }  // namespace morsel::tools

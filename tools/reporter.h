@@ -32,6 +32,7 @@ class Reporter {
   void debug(const std::string& message);
   void info(const std::string& message);
   void warn(const std::string& message);
+  void error(const std::string& message);
 
  private:
   enum class Style { kBar, kPlain, kJson, kNone };

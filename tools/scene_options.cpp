@@ -15,8 +15,12 @@ std::vector<render::Override> SceneOptions::overrides() const {
 
 void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option("SCENE", options.scene, "Scene file (JSON)")->required();
+  add_set_option(command, options.set);
+}
+
+void add_set_option(CLI::App& command, std::vector<std::string>& set) {
   command
-      .add_option("--set", options.set,
+      .add_option("--set", set,
                   "Replace a value of the scene: path=value, e.g. geometries.rock.keep=all; "
                   "may be repeated")
       ->expected(1)

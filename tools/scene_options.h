@@ -20,6 +20,8 @@ struct SceneOptions {
   std::vector<render::Override> overrides() const;
 };
 void add_scene_options(CLI::App& command, SceneOptions& options);
+// Only --set.
+void add_set_option(CLI::App& command, std::vector<std::string>& set);
 
 // One override of `key` for each hypertexture geometry of the scene that `plain` yields, e.g. what
 // `--keep all` means. `source` is how the user wrote it.

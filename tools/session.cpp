@@ -28,18 +28,20 @@ int run_guarded(const Session& session) {
     return code;
   } catch (const topology::Cancelled&) {
     return fail("interrupted", kInterrupted);
-  } catch (const params::InputError& e) {
-    return fail(e.what(), kWrongUsage);
-  } catch (const UsageError& e) {
-    return fail(e.what(), kWrongUsage);
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kFailed);
   } catch (const std::exception& e) {
-    return fail(e.what(), kFailed);
+    return fail(e.what(), exit_code_of(e));
   }
 }
 
 }  // namespace
+
+int exit_code_of(const std::exception& error) {
+  const bool wrong = dynamic_cast<const params::InputError*>(&error) != nullptr ||
+                     dynamic_cast<const UsageError*>(&error) != nullptr;
+  return wrong ? kWrongUsage : kFailed;
+}
 
 int run_command_line(int argc, char** argv, const std::function<void(CLI::App&, Session&)>& add) {
   CLI::App app("Hypertextured implicit surfaces without their debris: caches, fields, pictures",

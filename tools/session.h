@@ -20,6 +20,9 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The exit code that an exception of a subcommand stands for.
+int exit_code_of(const std::exception& error);
+
 // What parsing the command line leaves behind.
 struct Session {
   std::function<int()> run;           // of the subcommand that was named; returns the exit code

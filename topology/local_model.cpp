@@ -28,7 +28,8 @@ inline void add_parabola(double a, double b, double h, double& lo, double& hi) {
   const double bend = b * h * h, slope = std::abs(a) * h;
   double low = bend - slope, high = bend + slope;
   if (2.0 * std::abs(b) * h > std::abs(a)) {  // the vertex is inside
-    const double vertex = -a * a / (4.0 * b);
+    // Not a * a / (4 b): the square of a small slope underflows where its share does not.
+    const double vertex = -a * (a / (4.0 * b));
     low = std::min(low, vertex);
     high = std::max(high, vertex);
   }

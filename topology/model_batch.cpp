@@ -57,7 +57,8 @@ HWY_INLINE Range add_parabola(Lanes a, Lanes b, Lanes h, Range sum) {
   Lanes low = bend - slope, high = bend + slope;
   const LaneMask inside = Lanes(2.0) * absolute(b) * h > absolute(a);
   if (any(inside)) {
-    const Lanes vertex = -(a * a) / select(inside, Lanes(4.0) * b, Lanes(1.0));
+    // As in add_parabola: a * a would underflow too early.
+    const Lanes vertex = -(a * (a / select(inside, Lanes(4.0) * b, Lanes(1.0))));
     low = select(inside, minimum(low, vertex), low);
     high = select(inside, maximum(high, vertex), high);
   }

@@ -17,8 +17,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "cache files are little-endian");
 
-constexpr char kMagic[8] = {'M', 'O', 'R', 'S', 'T', 'O', 'P', 'O'};
-constexpr std::uint32_t kVersion = 2;
 constexpr std::uint64_t kAlignment = 64;
 constexpr std::uint32_t kMaxSections = 1024;
 constexpr std::uint32_t kRequired = 1;  // flag
@@ -88,8 +86,8 @@ CacheError wrong_record_size(std::string_view file, std::string_view section, st
                                 section, found, expected));
 }
 
-SectionWriter::SectionWriter(const std::filesystem::path& target)
-    : file_(replacing(target)), target_(target.string()) {
+SectionWriter::SectionWriter(const std::filesystem::path& target, const SectionFormat& format)
+    : file_(replacing(target)), target_(target.string()), format_(format) {
   fd_ = ::open(file_.temporary_path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (fd_ < 0) fail("cannot create");
   const Header blank{};
@@ -136,8 +134,8 @@ void SectionWriter::add(std::string_view name, std::span<const std::byte> bytes,
 
 std::uint64_t SectionWriter::publish() {
   Header header{};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  header.version = kVersion;
+  std::memcpy(header.magic, format_.magic, sizeof header.magic);
+  header.version = format_.version;
   header.section_count = static_cast<std::uint32_t>(entries_.size());
   header.directory_offset = offset_;
   std::vector<DirectoryRecord> directory;
@@ -163,12 +161,13 @@ std::uint64_t SectionWriter::publish() {
   return header.file_bytes;
 }
 
-SectionFile::SectionFile(const std::filesystem::path& path) : name_(path.string()) {
+SectionFile::SectionFile(const std::filesystem::path& path, const SectionFormat& format)
+    : name_(path.string()) {
   // A pipe would make this call wait for its other end.
   fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw CacheError(fmt::format("{}: cannot open: {}", name_, std::strerror(errno)));
   try {
-    read_directory();
+    read_directory(format);
   } catch (...) {
     ::close(fd_);
     throw;
@@ -190,24 +189,25 @@ void SectionFile::read_at(std::uint64_t offset, std::span<std::byte> out) const 
   }
 }
 
-void SectionFile::read_directory() {
+void SectionFile::read_directory(const SectionFormat& format) {
+  const std::string kind = format.description;
   struct stat status = {};
   if (::fstat(fd_, &status) != 0)
     throw CacheError(fmt::format("{}: cannot read: {}", name_, std::strerror(errno)));
-  if (S_ISDIR(status.st_mode)) throw CacheError(name_ + ": is a directory, not a cache file");
+  if (S_ISDIR(status.st_mode)) throw CacheError(name_ + ": is a directory, not a " + kind);
   if (!S_ISREG(status.st_mode)) throw CacheError(name_ + ": is not a regular file");
   size_ = static_cast<std::uint64_t>(status.st_size);
   Header header;
   if (size_ < sizeof header)
-    throw CacheError(fmt::format("{}: not a topology cache: {} bytes are fewer than its header has",
-                                 name_, size_));
-  read_at(0, std::as_writable_bytes(std::span(&header, 1)));
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0)
-    throw CacheError(name_ + ": not a topology cache: wrong first bytes");
-  if (header.version != kVersion)
     throw CacheError(
-        fmt::format("{}: version {} of the cache format; this program reads version {}", name_,
-                    header.version, kVersion));
+        fmt::format("{}: not a {}: {} bytes are fewer than its header has", name_, kind, size_));
+  read_at(0, std::as_writable_bytes(std::span(&header, 1)));
+  if (std::memcmp(header.magic, format.magic, sizeof header.magic) != 0)
+    throw CacheError(fmt::format("{}: not a {}: wrong first bytes", name_, kind));
+  if (header.version != format.version)
+    throw CacheError(
+        fmt::format("{}: version {} of the format of a {}; this program reads version {}", name_,
+                    header.version, kind, format.version));
   if (header.file_bytes != size_)
     throw CacheError(fmt::format("{}: truncated or overlong: {} bytes instead of {}", name_, size_,
                                  header.file_bytes));

@@ -25,9 +25,18 @@ struct CacheError : std::runtime_error {
 CacheError wrong_record_size(std::string_view file, std::string_view section, std::size_t found,
                              std::size_t expected);
 
-// The container that `.topo` files are: named sections of bytes, each at a multiple of 64, a
-// directory that says where, and a checksum for each. A reader needs to know only the sections that
-// it wants: others are skipped, unless they are marked as required. Layout: see README.md.
+// What a file of sections is for: told apart by its first 8 bytes and a version.
+struct SectionFormat {
+  char magic[9];  // and the zero that ends it
+  std::uint32_t version;
+  const char* description;  // for messages: "not a ..."
+};
+inline constexpr SectionFormat kTopologyFormat{"MORSTOPO", 2, "topology cache"};
+
+// The container that `.topo` files and the checkpoints of renders are: named sections of bytes,
+// each at a multiple of 64, a directory that says where, and a checksum for each. A reader needs to
+// know only the sections that it wants: others are skipped, unless they are marked as required.
+// Layout: see README.md.
 struct SectionEntry {
   std::string name;  // 1 to 31 characters of a-z 0-9 _ - .
   std::uint64_t offset = 0;
@@ -43,7 +52,8 @@ struct SectionEntry {
 // Without that call nothing remains. Every method throws CacheError.
 class SectionWriter {
  public:
-  explicit SectionWriter(const std::filesystem::path& target);
+  explicit SectionWriter(const std::filesystem::path& target,
+                         const SectionFormat& format = kTopologyFormat);
   ~SectionWriter();
   SectionWriter(const SectionWriter&) = delete;
   SectionWriter& operator=(const SectionWriter&) = delete;
@@ -66,6 +76,7 @@ class SectionWriter {
 
   ReplacingFile file_;
   std::string target_;
+  SectionFormat format_;
   int fd_ = -1;
   std::uint64_t offset_ = 0;
   std::vector<SectionEntry> entries_;
@@ -76,7 +87,8 @@ class SectionWriter {
 class SectionFile {
  public:
   // Throws CacheError that names the file and what is wrong.
-  explicit SectionFile(const std::filesystem::path& path);
+  explicit SectionFile(const std::filesystem::path& path,
+                       const SectionFormat& format = kTopologyFormat);
   ~SectionFile();
   SectionFile(const SectionFile&) = delete;
   SectionFile& operator=(const SectionFile&) = delete;
@@ -106,7 +118,7 @@ class SectionFile {
   const SectionEntry& get(std::string_view name) const;
   void read_at(std::uint64_t offset, std::span<std::byte> out) const;
   void read_into(const SectionEntry& entry, std::span<std::byte> out) const;
-  void read_directory();
+  void read_directory(const SectionFormat& format);
 
   std::string name_;
   int fd_ = -1;

@@ -28,8 +28,9 @@ class LabelFilter final : public MembershipFilter {
       if (jet.value >= 0.0) {
         const topology::OctreeNode& node = octree_.nodes[leaf.node];
         const topology::Content content = node.cell_content();
-        if ((content == topology::Content::kConnected || content == topology::Content::kFull) &&
-            node.component != topology::kNoComponent)
+        // Without a component: of a removed one. To climb on from there, in leaves that may be wide
+        // (see topology/coarsen.h), could end in a kept piece nearby.
+        if (content == topology::Content::kConnected || content == topology::Content::kFull)
           return node.component;
       }
       const double slope = jet.gradient.length();

@@ -22,11 +22,12 @@ bool RaySurface::root_behind(std::uint32_t primitive, RaySegment ray, Root& root
 }
 
 bool RaySurface::first_kept(std::uint32_t primitive, RaySegment ray, Root& root) const {
-  while (!filter_->keeps(ray.origin + ray.direction * root.t)) {
+  for (;;) {
+    ++ray_statistics().filtered;
+    if (filter_->keeps(ray.origin + ray.direction * root.t)) return true;
     ray.tnear = root.beyond;
     if (!(ray.tnear < ray.tfar) || !next_root(primitive, ray, root)) return false;
   }
-  return true;
 }
 
 }  // namespace morsel::geom

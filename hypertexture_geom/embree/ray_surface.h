@@ -51,6 +51,7 @@ struct RayStatistics {
   std::uint64_t bricks = 0;       // primitives that a ray was tested against
   std::uint64_t evaluations = 0;  // of F
   std::uint64_t limits = 0;       // tests that ended at the evaluation limit
+  std::uint64_t filtered = 0;     // roots that were put to the membership filter
 };
 RayStatistics& ray_statistics();
 

@@ -2,6 +2,8 @@
 #include "renderer/accel/hypertexture.h"
 
 #include "hypertexture_geom/embree/geometry.h"
+#include "hypertexture_geom/embree/ray_surface.h"
+#include "renderer/accel/scene_accel.h"
 
 namespace morsel::render {
 
@@ -10,6 +12,11 @@ GeometryHandle create_hypertexture_geometry(const Device& device,
   GeometryHandle geometry(hypertexture.create(device.get()));
   device.check("hypertexture geometry");
   return geometry;
+}
+
+HypertextureCost hypertexture_cost() {
+  const geom::RayStatistics& statistics = geom::ray_statistics();
+  return {statistics.evaluations, statistics.filtered};
 }
 
 std::uint64_t brick_count(const geom::HypertextureGeometry& hypertexture) {

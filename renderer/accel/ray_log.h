@@ -34,6 +34,8 @@ class RayLog {
   // caller's TBB arena. Needs what the scene's geometries refer to, but no SceneAccel.
   void stop();
   std::uint64_t size() const;
+  // Of the calling thread.
+  const std::vector<Record>& own_records() { return records_.local(); }
   // How many rays hit something. The scene must have been asked of something.
   std::uint64_t replay() const;
 

@@ -43,6 +43,13 @@ class SceneAccel {
 // Of the Embree that this was built with, as "3.13.5".
 const char* embree_version();
 
+// What the calling thread's rays have cost in hypertextures since it started: evaluations of
+// fields, roots put to membership filters. For differences around a query.
+struct HypertextureCost {
+  std::uint64_t evaluations = 0, filtered = 0;
+};
+HypertextureCost hypertexture_cost();
+
 // Sets flush-to-zero and denormals-are-zero, which Embree wants in threads that trace, and restores
 // the thread's mode at the end.
 class FlushDenormals {

@@ -60,14 +60,18 @@ std::string manifest_of(const std::map<std::string, std::uint32_t>& ids) {
   return json + "}";
 }
 
-void Accumulator::add(std::uint32_t id) {
+void Accumulator::add(std::uint32_t id, std::uint32_t samples) {
   if (id == 0) return;
   for (auto& [known, count] : counts_)
     if (known == id) {
-      ++count;
+      count += samples;
       return;
     }
-  counts_.emplace_back(id, 1u);
+  counts_.emplace_back(id, samples);
+}
+
+void Accumulator::add(const Accumulator& other) {
+  for (const auto& [id, count] : other.counts_) add(id, count);
 }
 
 Ranks Accumulator::ranks(std::uint32_t samples) const {

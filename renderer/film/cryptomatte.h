@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace morsel::render {
@@ -37,13 +38,17 @@ using Ranks = std::array<Rank, kRanks>;
 class Accumulator {
  public:
   void clear() { counts_.clear(); }
-  // A sample; id 0: nothing with a name.
-  void add(std::uint32_t id);
+  using Count = std::pair<std::uint32_t, std::uint32_t>;  // id, samples
+
+  // Samples of a name; id 0: nothing with a name.
+  void add(std::uint32_t id, std::uint32_t samples = 1);
+  void add(const Accumulator& other);
   // Shares of `samples`.
   Ranks ranks(std::uint32_t samples) const;
+  const std::vector<Count>& counts() const { return counts_; }
 
  private:
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> counts_;
+  std::vector<Count> counts_;
 };
 
 }  // namespace cryptomatte

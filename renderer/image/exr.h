@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "renderer/integrator/render.h"
 #include "renderer/scene/scene.h"
@@ -25,9 +26,15 @@ namespace morsel::render {
 //                      float  Cryptomatte, if asked for: (id, share) of up to six names
 // A crop is the data window inside the display window of the full image. The header has the
 // versions of Morsel and of the libraries that made the pixels, samples, seed, depth, the time of
-// writing and those of each phase of the render, rays, exposure and the camera's matrices
-// (worldToCamera, worldToNDC). Values outside half's range are clamped to it. Appears under `path`
-// only when complete; throws std::runtime_error that names the file.
+// writing and those of each phase of the render, rays, exposure, whether all samples are there
+// (morsel:complete) and the camera's matrices (worldToCamera, worldToNDC). Values outside half's
+// range are clamped to it. Appears under `path` only when complete; throws std::runtime_error that
+// names the file.
 void write_exr(const std::filesystem::path& path, const Scene& scene, const RenderResult& result);
+
+// The same for a shard, whose film `result` has: the channels shard.* hold its sums exactly
+// (shard_layers.h), for merge_shards().
+void write_shard(const std::filesystem::path& path, const Scene& scene, const RenderResult& result,
+                 FilmSums& sums, const std::string& scene_hash);
 
 }  // namespace morsel::render

@@ -37,6 +37,25 @@ std::uint32_t cutout_dimension(int vertex, int passed) {
   return 0x40000000u + static_cast<std::uint32_t>(vertex * kMostCutouts + passed);
 }
 
+// Counts a ray, and what the calling thread's queries in its scope cost.
+class CountedRay {
+ public:
+  CountedRay(RayCounts& rays, RayUse use)
+      : cost_(rays.costs[static_cast<std::size_t>(use)]), before_(hypertexture_cost()) {
+    ++(use == RayUse::kCamera ? rays.camera : use == RayUse::kBounce ? rays.bounce : rays.shadow);
+  }
+  ~CountedRay() {
+    const HypertextureCost now = hypertexture_cost();
+    cost_.add_ray(now.evaluations - before_.evaluations, now.filtered - before_.filtered);
+  }
+  CountedRay(const CountedRay&) = delete;
+  CountedRay& operator=(const CountedRay&) = delete;
+
+ private:
+  RayCost& cost_;
+  HypertextureCost before_;
+};
+
 V3f clamped_to_one(const V3f& c) {
   return {std::min(c.x, 1.0f), std::min(c.y, 1.0f), std::min(c.z, 1.0f)};
 }
@@ -95,14 +114,12 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
   const LightGroup group = state.group(LightGroup::kInfinite);
   for (std::size_t i = 0; i < lights_.infinite_count(); ++i) {
     if (state.vertex == 0 && !lights_.infinite_visible_to_camera(i)) continue;
-    const V3f radiance = lights_.infinite_radiance(i, wi);
+    const auto [radiance, pdf] = state.previous_delta
+                                     ? Environment::Arriving{lights_.infinite_radiance(i, wi), 0.0f}
+                                     : lights_.infinite_arriving(group, i, state.previous_p, wi);
     if (state.vertex == 0 && i == 0) sample.alpha = 1.0f;
     if (!(max_component(radiance) > 0.0f)) continue;
-    const float weight =
-        state.previous_delta
-            ? 1.0f
-            : mis_weight(state.previous_pdf, lights_.infinite_pdf(group, i, state.previous_p, wi),
-                         false);
+    const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
     add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i),
               state.vertex > 1, sample);
   }
@@ -137,13 +154,15 @@ void PathTracer::add_light_hit(State& state, const SurfaceInteraction& hit,
 
 // Share of light that comes through; 0 when something is in the way.
 float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
-  ++rays.shadow;
-  if (accel_.occluded(shadow)) return 0.0f;
+  {
+    const CountedRay counted(rays, RayUse::kShadow);
+    if (accel_.occluded(shadow)) return 0.0f;
+  }
   if (!accel_.has_cutouts()) return 1.0f;
   float passed = 1.0f;
   for (int i = 0; i < kMostCutouts; ++i) {
     SurfaceInteraction hit;
-    ++rays.shadow;
+    const CountedRay counted(rays, RayUse::kShadow);
     if (!accel_.intersect(shadow, RayKind::kCutout, hit)) return passed;
     passed *= 1.0f - materials_.opacity(hit, -normalize(shadow.direction));
     if (!(passed > 0.0f)) return 0.0f;
@@ -218,7 +237,7 @@ bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInte
   const bool first = state.vertex == 0;
   state.travelled = 0.0f;
   for (int passed = 0; passed < kMostCutouts; ++passed) {
-    ++(first ? rays.camera : rays.bounce);
+    const CountedRay counted(rays, first ? RayUse::kCamera : RayUse::kBounce);
     if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kBounce, hit))
       return false;
     if (hit.light != kNoIndex || materials_.opaque(hit.material)) return true;

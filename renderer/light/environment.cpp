@@ -33,19 +33,21 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
   const auto band = [&](double top, double bottom) {  // share of the sphere between two rows
     return 0.5 * (std::cos(kDoublePi * top / height) - std::cos(kDoublePi * bottom / height));
   };
+  std::vector<float> target;  // of each texel
   const auto mean_target = [&] {
     double mean = 0.0;
     for (int y = 0; y < height; ++y) {
       double sum = 0.0;
-      for (int x = 0; x < width; ++x) sum += target_[index(x, y)];
+      for (int x = 0; x < width; ++x) sum += target[index(x, y)];
       mean += sum / width * band(y, y + 1.0);
     }
     return static_cast<float>(mean);
   };
-  for (const V3f& t : image_.texels) target_.push_back(luminance(t));
+  for (const V3f& t : image_.texels) target.push_back(luminance(t));
   sampled_luminance_ = mean_target();
   if (only_highlights) {
-    for (float& t : target_) t = std::max(0.0f, t - sampled_luminance_);
+    not_sampled_ = sampled_luminance_;
+    for (std::size_t i = 0; i < target.size(); ++i) target[i] = target_of(image_.texels[i]);
     sampled_luminance_ = mean_target();
   }
 
@@ -55,8 +57,8 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
     double total = 0.0;
     for (int x = 0; x < width; ++x) {
       const int x1 = (x + 1) % width;
-      const double mean = 0.25 * (double{target_[index(x, y0)]} + target_[index(x1, y0)] +
-                                  target_[index(x, y1)] + target_[index(x1, y1)]);
+      const double mean = 0.25 * (double{target[index(x, y0)]} + target[index(x1, y0)] +
+                                  target[index(x, y1)] + target[index(x1, y1)]);
       weight[static_cast<std::size_t>(x)] = mean;
       total += mean;
     }
@@ -99,8 +101,8 @@ V3f Environment::interpolate(const Patch& p) const {
 }
 
 Environment::Corners Environment::corners(const Patch& p) const {
-  return {target_[index(p.x0, p.y0)], target_[index(p.x1, p.y0)], target_[index(p.x0, p.y1)],
-          target_[index(p.x1, p.y1)]};
+  return {target_of(texel(p.x0, p.y0)), target_of(texel(p.x1, p.y0)), target_of(texel(p.x0, p.y1)),
+          target_of(texel(p.x1, p.y1))};
 }
 
 float Environment::density(const Patch& p, const Corners& target, float probability) const {
@@ -117,8 +119,17 @@ V3f Environment::radiance(const V3f& wi) const { return interpolate(patch(wi)); 
 
 float Environment::pdf(const V3f& wi) const {
   if (constant()) return 0.25f * kInvPi;
-  const Patch p = patch(wi);
+  return pdf(patch(wi));
+}
+
+float Environment::pdf(const Patch& p) const {
   return density(p, corners(p), rows_->probability(p.row) * in_row_[p.row].probability(p.column));
+}
+
+Environment::Arriving Environment::arriving(const V3f& wi) const {
+  if (constant()) return {texel(0, 0), pdf(wi)};
+  const Patch p = patch(wi);
+  return {interpolate(p), pdf(p)};
 }
 
 LightSample Environment::sample(const V2f& u) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,12 @@ class Environment {
   V3f radiance(const V3f& wi) const;
   LightSample sample(const V2f& u) const;
   float pdf(const V3f& wi) const;
+  // radiance() and pdf() at once, which is less work than one after the other.
+  struct Arriving {
+    V3f radiance;
+    float pdf;
+  };
+  Arriving arriving(const V3f& wi) const;
   // Mean over all directions of the luminance that sample() follows. 0: nothing to sample.
   float sampled_luminance() const { return sampled_luminance_; }
 
@@ -64,7 +71,13 @@ class Environment {
   }
   Patch patch(const V3f& wi) const;
   V3f interpolate(const Patch& patch) const;
-  // The four values of target_ about a patch.
+  float pdf(const Patch& patch) const;
+  // What sampling follows, of a texel. Not a table of its own: wherever it is asked for, the texel
+  // is wanted too, and fetching from memory is what costs here.
+  float target_of(const V3f& texel) const {
+    return std::max(0.0f, luminance(texel) - not_sampled_);
+  }
+  // Of the four texels about a patch.
   struct Corners {
     float a, b, c, d;  // upper left and right, lower left and right
     float mean() const { return 0.25f * (a + b + c + d); }
@@ -78,7 +91,7 @@ class Environment {
   const V3f& texel(int x, int y) const { return image_.texels[index(x, y)]; }
 
   EnvironmentImage image_;              // already scaled
-  std::vector<float> target_;           // per texel, what sampling follows
+  float not_sampled_ = 0.0f;            // luminance that is left to other samples
   float sine_, cosine_;                 // of the rotation
   std::vector<Distribution1D> in_row_;  // height + 1
   std::optional<Distribution1D> rows_;

@@ -150,7 +150,20 @@ float LightSet::infinite_pdf(LightGroup group, std::size_t i, const V3f& p, cons
   if (!(infinite_[i].importance > 0.0f)) return 0.0f;
   const float pdf =
       environment_ && i == 0 ? environment_->pdf(wi) : distants_[environment_ ? i - 1 : i].pdf(wi);
-  return pdf * (1.0f - local_share(group, p)) * infinite_[i].importance / infinite_importance_;
+  return pdf * infinite_share(group, i, p);
+}
+
+float LightSet::infinite_share(LightGroup group, std::size_t i, const V3f& p) const {
+  return (1.0f - local_share(group, p)) * infinite_[i].importance / infinite_importance_;
+}
+
+Environment::Arriving LightSet::infinite_arriving(LightGroup group, std::size_t i, const V3f& p,
+                                                  const V3f& wi) const {
+  if (!environment_ || i != 0 || !(infinite_[i].importance > 0.0f))
+    return {infinite_radiance(i, wi), infinite_pdf(group, i, p, wi)};
+  Environment::Arriving arriving = environment_->arriving(wi);
+  arriving.pdf *= infinite_share(group, i, p);
+  return arriving;
 }
 
 float LightSet::local_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi,

@@ -58,6 +58,9 @@ class LightSet {
   // The density of sample(group, p) in direction `wi` as far as light `i`, which must be of the
   // group, is concerned. Each light is an integral of its own, so this is what MIS needs.
   float infinite_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi) const;
+  // infinite_radiance() and infinite_pdf() at once.
+  Environment::Arriving infinite_arriving(LightGroup group, std::size_t i, const V3f& p,
+                                          const V3f& wi) const;
 
   V3f local_radiance(std::size_t i, const V3f& wi) const {
     return std::visit([&](const auto& light) { return light.radiance(wi); }, local_[i]);
@@ -82,6 +85,8 @@ class LightSet {
     std::uint32_t light_group;
   };
   float local_importance(const V3f& p) const;
+  // Chance that a sample of the group goes to infinite light `i`.
+  float infinite_share(LightGroup group, std::size_t i, const V3f& p) const;
   // Chance that a sample of kAll goes to the local lights.
   float local_share(LightGroup group, const V3f& p) const;
   float leaf_importance(std::uint32_t i, const V3f& p) const {

@@ -43,6 +43,11 @@ class MaterialSet {
   std::string texture_statistics() const {
     return textures_.any_images() ? textures_.statistics() : std::string();
   }
+  // See TextureStore::numbers(); empty without images.
+  std::vector<std::pair<std::string, std::int64_t>> texture_numbers() const {
+    return textures_.any_images() ? textures_.numbers()
+                                  : std::vector<std::pair<std::string, std::int64_t>>();
+  }
 
  private:
   struct Prepared {

@@ -8,6 +8,13 @@
 #include "renderer/math/vector.h"
 
 namespace morsel::render {
+namespace {
+
+// A bucket's cells are half a cache line, so that the walk costs less than the guide's own line
+// would: the guides of a large environment should stay in the processor's cache.
+constexpr std::size_t kCellsPerBucket = 8;
+
+}  // namespace
 
 Distribution1D::Distribution1D(std::span<const double> weights) {
   if (weights.empty()) throw std::invalid_argument("a distribution needs at least one weight");
@@ -27,10 +34,10 @@ Distribution1D::Distribution1D(std::span<const double> weights) {
   const float last = cumulative_.back();
   for (std::size_t i = weights.size(); i > 0 && cumulative_[i] == last; --i) cumulative_[i] = 1.0f;
 
-  guide_.resize(weights.size());
+  guide_.resize((weights.size() + kCellsPerBucket - 1) / kCellsPerBucket);
   std::uint32_t cell = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const float u = static_cast<float>(i) / static_cast<float>(weights.size());
+  for (std::size_t i = 0; i < guide_.size(); ++i) {
+    const float u = static_cast<float>(i) / static_cast<float>(guide_.size());
     while (cumulative_[cell + 1] <= u) ++cell;
     guide_[i] = cell;
   }

@@ -29,8 +29,8 @@ class Distribution1D {
 
  private:
   std::vector<float> cumulative_;  // size() + 1 values from 0 to 1
-  // The cell that u = i / size() falls into: where to start looking, so that looking takes a step
-  // or two instead of a binary search ("guide table", Chen & Asau 1974).
+  // The cell that u = i / guide_.size() falls into: where to start looking, so that looking takes a
+  // few steps on end instead of a binary search ("guide table", Chen & Asau 1974).
   std::vector<std::uint32_t> guide_;
 };
 

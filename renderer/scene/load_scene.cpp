@@ -17,6 +17,7 @@
 #include "renderer/scene/model.h"
 #include "renderer/scene/readers.h"
 #include "renderer/scene/scene_json.h"
+#include "renderer/scene/scene_reference.h"
 #include "renderer/scene/transform.h"
 
 namespace morsel::render {
@@ -335,7 +336,14 @@ std::vector<std::string> check_scene(const std::filesystem::path& file,
   std::vector<std::string> problems;
   try {
     const SceneDocument document(file, overrides);
-    SceneLoader(document, options, &problems).load();
+    // The loader stops at the first problem of each object, the declarations know all of them; but
+    // only the loader knows what values mean to one another.
+    problems = declared_problems(document);
+    std::vector<std::string> more;
+    SceneLoader(document, options, &more).load();
+    for (std::string& problem : more)
+      if (std::find(problems.begin(), problems.end(), problem) == problems.end())
+        problems.push_back(std::move(problem));
   } catch (const params::InputError& e) {
     problems.push_back(e.what());
   }

@@ -198,6 +198,7 @@ struct SceneCamera {
 // Pixel window [x0, x1) x [y0, y1) of the full resolution, y down.
 struct Crop {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool operator==(const Crop&) const = default;
 };
 
 // How samples lie about a pixel's centre; the radius of a box or triangle is half its width.

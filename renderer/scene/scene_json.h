@@ -40,12 +40,14 @@ class SceneDocument {
     }
   }
 
+  // `message` with the override that is to blame for it, if one is.
+  std::string with_override(const std::string& message) const;
+
  private:
   struct Applied {
     std::string pointer;
     std::string source;
   };
-  std::string with_override(const std::string& message) const;
 
   std::filesystem::path file_;
   nlohmann::json root_;

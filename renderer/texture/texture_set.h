@@ -58,6 +58,7 @@ class TextureSet {
 
   bool any_images() const { return store_.size() > 0; }
   std::string statistics() const { return store_.statistics(); }
+  auto numbers() const { return store_.numbers(); }
 
  private:
   using Value = TextureStore::Value;

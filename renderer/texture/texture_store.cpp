@@ -162,4 +162,24 @@ TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, con
 
 std::string TextureStore::statistics() const { return impl_->system->getstats(1, true); }
 
+std::vector<std::pair<std::string, std::int64_t>> TextureStore::numbers() const {
+  std::vector<std::pair<std::string, std::int64_t>> all;
+  auto* const cache = impl_->system->imagecache();
+  for (const char* name : {"bytes_read", "image_size", "cache_memory_used"}) {
+    OIIO::imagesize_t value = 0;
+    if (cache->getattribute(std::string("stat:") + name, OIIO::TypeDesc::INT64, &value))
+      all.emplace_back(name, static_cast<std::int64_t>(value));
+  }
+  for (const char* name : {"find_tile_calls", "tiles_created", "tiles_current", "tiles_peak",
+                           "open_files_created", "open_files_peak"}) {
+    std::int64_t wide = 0;
+    int narrow = 0;
+    if (cache->getattribute(std::string("stat:") + name, OIIO::TypeDesc::INT64, &wide))
+      all.emplace_back(name, wide);
+    else if (cache->getattribute(std::string("stat:") + name, OIIO::TypeDesc::INT, &narrow))
+      all.emplace_back(name, narrow);
+  }
+  return all;
+}
+
 }  // namespace morsel::render

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "renderer/math/vector.h"
@@ -38,6 +39,8 @@ class TextureStore {
   std::size_t size() const;
   // Bytes read from files and memory in use, for people.
   std::string statistics() const;
+  // The same as numbers, by OpenImageIO's names: bytes_read, cache_memory_used, tiles_created, ...
+  std::vector<std::pair<std::string, std::int64_t>> numbers() const;
 
  private:
   struct Impl;

@@ -39,6 +39,24 @@ json random_field(std::mt19937_64& random) {
   return field;
 }
 
+// Now and then, what is seldom drawn: other ratios of frequencies and more octaves, amplitudes
+// whose products underflow. Returns the size of the field's values: 1, or how much smaller it was
+// made so that they underflow themselves.
+double make_unusual(json& field, std::mt19937_64& random) {
+  RandomModulation make(random);
+  for (json& m : field["modulations"]) {
+    if (!m.contains("frequency")) continue;
+    if (random() % 3 == 0) m["lacunarity"] = make.uniform(1.01, 3.0);
+    if (random() % 6 == 0) m["layers"] = 4;
+    if (random() % 8 == 0)
+      m["amplitude"] = std::ldexp(make.uniform(-1.0, 1.0), -make.integer(100, 1070));
+  }
+  if (random() % 8 != 0) return 1.0;
+  const double size = std::ldexp(1.0, -make.integer(100, 1060));
+  field["modulations"].push_back({{"type", "scale_offset"}, {"scale", size}, {"offset", 0.0}});
+  return size;
+}
+
 // A sphere and sums of sparse convolution alone: what the models of eight children at once are
 // written for; other fields go through them one by one.
 json random_sum(std::mt19937_64& random) {
@@ -73,6 +91,19 @@ Box random_box(std::mt19937_64& random, const std::vector<std::array<double, 3>>
   if (random() % 3 == 0)
     half *= Imath::V3d(std::abs(unit(random)), std::abs(unit(random)), std::abs(unit(random)));
   if (random() % 8 == 0) half[static_cast<int>(random() % 3)] = 0.0;
+  // Farther away than anything of the field; or so near a coordinate plane that boxes much smaller
+  // than the coordinates' usual spacing keep their extent, and squares of it underflow.
+  if (random() % 16 == 0) c *= random() % 2 == 0 ? 10.0 : 1e3;
+  if (random() % 16 == 0) {
+    const double tiny = std::ldexp(1.0, -30 - static_cast<int>(random() % 1000));
+    const bool all = random() % 2 == 0;
+    const int only = static_cast<int>(random() % 3);
+    for (int a = 0; a < 3; ++a)
+      if (all || a == only) {
+        c[a] = tiny * unit(random);
+        half[a] = tiny;
+      }
+  }
   return Box(c - half, c + half);
 }
 
@@ -111,9 +142,14 @@ Cubic cubic_at(const topology::LocalModel& m, const Real (&u)[3]) {
 
 class Checker {
  public:
-  Checker(const ReferenceField& reference, const json& description, double scale,
+  // `size`: of the field's values.
+  Checker(const ReferenceField& reference, const json& description, double scale, double size,
           ReferenceCheck& check)
-      : reference_(reference), description_(description), scale_(scale), check_(check) {}
+      : reference_(reference),
+        description_(description),
+        scale_(scale),
+        size_(size),
+        check_(check) {}
 
   void box(const topology::LocalModel& m, const Box& box, std::mt19937_64& random, int samples) {
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -148,12 +184,12 @@ class Checker {
       const Dual f = reference_.at(x[0], x[1], x[2]);
       const Cubic p = cubic_at(m, u);
       // Long double's own rounding, and that of constants that the reference derives on its own.
-      const Real slack = 4e-18L * (1.0L + std::abs(f.v));
+      const Real slack = 4e-18L * (size_ + std::abs(f.v));
       if (!(std::abs(f.v - p.value) <= scale_ * m.value_error + slack))
         fail(check_.value, "value", box);
       if (!(f.v >= range.lo - slack && f.v <= range.hi + slack)) fail(check_.range, "range", box);
       for (int a = 0; a < 3; ++a) {
-        const Real loose = 4e-17L * (1.0L + std::abs(f.g[a]));
+        const Real loose = 4e-17L * (size_ + std::abs(f.g[a]));
         if (!(std::abs(f.g[a] - p.slope[a]) <= scale_ * m.gradient_error[a] + loose))
           fail(check_.gradient, "gradient", box);
         if (!(f.g[a] >= slopes[a].lo - loose && f.g[a] <= slopes[a].hi + loose))
@@ -174,7 +210,7 @@ class Checker {
 
   const ReferenceField& reference_;
   const json& description_;
-  double scale_;
+  double scale_, size_;
   ReferenceCheck& check_;
 };
 
@@ -187,12 +223,13 @@ ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed,
   ReferenceCheck check;
   while (check.samples < samples) {
     const bool sum = check.fields % 4 == 3;
-    const json description = sum ? random_sum(random) : random_field(random);
+    json description = sum ? random_sum(random) : random_field(random);
+    const double size = random() % 2 == 0 ? make_unusual(description, random) : 1.0;
     const auto field = field_of(description);
     const auto reference = reference_field(field->canonical_json());
     std::vector<std::array<double, 3>> places;
     reference->special_places(places);
-    Checker checker(*reference, description, scale, check);
+    Checker checker(*reference, description, scale, size, check);
     ++check.fields;
     for (int n = 0; n < kBoxesOfAField; ++n) {
       const Box box = random_box(random, places);

@@ -27,8 +27,9 @@ struct ReferenceCheck {
 };
 
 // Random fields of every kind and composition, random boxes of widths 2^-1 to 2^-20 (about one half
-// straddling an apex, a support border, a lattice plane or the end of a mask; some flat, some where
-// values underflow), sample points in long double against the models' bounds for value and
+// straddling an apex, a support border, a lattice plane or the end of a mask; some flat, some far
+// away, some
+// where values underflow), sample points in long double against the models' bounds for value and
 // gradient, by an independent implementation of the fields (reference_field.h). Models come from
 // model(), restricted fields' model() and child_models(), all eight. `scale` < 1 weakens the
 // bounds, to show that that is noticed.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "renderer/film/film.h"
+#include "renderer/film/film_sums.h"
 #include "renderer/film/pixel_filter.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ TEST(PixelAccumulator, MeanAndVarianceOfTheMean) {
     PathSample s;
     s.radiance = V3f(v, 10.0f * v, 1.0f);
     s.alpha = v > 3.0f ? 1.0f : 0.0f;
-    pixel.add(s, 0.5f, 0.5f);
+    pixel.add(s, 0.5f, 0.5f, 0);
   }
   const Pixel p = pixel.result();
   EXPECT_EQ(p.samples, 4u);
@@ -36,13 +36,13 @@ TEST(PixelAccumulator, DepthAndComponentAreThoseNearestToTheCentre) {
   PathSample s;
   s.depth = 1.0f;
   s.component = 3.0f;
-  pixel.add(s, 0.9f, 0.9f);
+  pixel.add(s, 0.9f, 0.9f, 0);
   s.depth = 2.0f;
   s.component = 5.0f;
-  pixel.add(s, 0.45f, 0.5f);
+  pixel.add(s, 0.45f, 0.5f, 1);
   s.depth = 7.0f;
   s.component = 0.0f;
-  pixel.add(s, 0.1f, 0.5f);
+  pixel.add(s, 0.1f, 0.5f, 2);
   EXPECT_EQ(pixel.result().depth, 2.0f);
   EXPECT_EQ(pixel.result().component, 5.0f);
 }

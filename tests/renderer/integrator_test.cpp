@@ -357,7 +357,7 @@ TEST(Render, CanBeCancelledAndReportsProgress) {
   RenderOptions options;
   options.threads = 2;
   options.progress = [&](double f) { fractions.push_back(f); };
-  EXPECT_FALSE(render(scene, options).cancelled);
+  EXPECT_FALSE(render(scene, options).cancelled());
   EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
   ASSERT_FALSE(fractions.empty());
   EXPECT_EQ(fractions.back(), 1.0);
@@ -365,7 +365,7 @@ TEST(Render, CanBeCancelledAndReportsProgress) {
   std::atomic<bool> cancel{true};
   options.cancel = &cancel;
   const RenderResult result = render(scene, options);
-  EXPECT_TRUE(result.cancelled);
+  EXPECT_TRUE(result.cancelled());
   EXPECT_EQ(result.statistics.samples, 0u);
   EXPECT_EQ(result.film.at(0, 0).samples, 0u);
 }

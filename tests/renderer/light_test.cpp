@@ -68,6 +68,22 @@ TEST_P(RotatedEnvironment, EstimatesTheIntegralOfItsRadiance) {
   EXPECT_LT(largest, 2.5 * exact);
 }
 
+TEST_P(RotatedEnvironment, RadianceAndDensityAtOnceAreThoseAskedForAlone) {
+  Random random;
+  for (const bool highlights : {false, true}) {
+    const Environment several(sun_image(), V3f(1.0f, 2.0f, 3.0f), GetParam(), highlights);
+    const Environment constant(EnvironmentImage{}, V3f(0.5f), GetParam(), highlights);
+    for (const Environment* environment : {&several, &constant})
+      for (int i = 0; i < 1000; ++i) {
+        // The sun is small: half of the directions are to find it.
+        const V3f wi = i % 2 ? several.sample(random.pair()).wi : constant.sample(random.pair()).wi;
+        const Environment::Arriving both = environment->arriving(wi);
+        EXPECT_EQ(both.radiance, environment->radiance(wi));
+        EXPECT_EQ(both.pdf, environment->pdf(wi));
+      }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Degrees, RotatedEnvironment, ::testing::Values(0.0f, 37.0f, -170.0f));
 
 TEST(Environment, LightHasDensityWhereverItShines) {
@@ -274,6 +290,11 @@ TEST(LightSet, SumsAllLights) {
                           : lights.local_pdf(LightGroup::kAll, static_cast<std::size_t>(which - 1),
                                              p, s.wi, s.distance);
     EXPECT_NEAR(pdf / s.pdf, 1.0f, 1e-3f);
+    if (which == 0) {
+      const auto both = lights.infinite_arriving(LightGroup::kAll, 0, p, s.wi);
+      EXPECT_EQ(both.pdf, pdf);
+      EXPECT_EQ(both.radiance, lights.infinite_radiance(0, s.wi));
+    }
     solid_angles[which] += 1.0 / s.pdf / kSamples;
   }
   EXPECT_NEAR(solid_angles[0], 4.0 * kPi, 0.1);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -139,6 +141,30 @@ TEST(Distribution1D, SamplesInProportionAndNeverWhereWeightIsZero) {
   }
   EXPECT_EQ(d.sample(kOneMinusEpsilon).index, 5u);
   EXPECT_EQ(d.sample(0.0f).index, 1u);
+}
+
+// The cell that a search from the start finds, for sizes about those of the guide's buckets and
+// weights of which most of u falls into few.
+TEST(Distribution1D, FindsTheCellThatASearchFromTheStartFinds) {
+  for (const std::size_t size : {1u, 2u, 7u, 8u, 9u, 63u, 64u, 65u, 1000u}) {
+    std::vector<double> weights;
+    for (std::size_t i = 0; i < size; ++i)
+      weights.push_back(i % 5 == 3 ? 0.0 : std::pow(0.5, static_cast<double>(i * 37 % 23)));
+    const Distribution1D d(weights);
+    for (int i = 0; i <= 5000; ++i) {
+      const float u = std::min(static_cast<float>(i) / 5000.0f, kOneMinusEpsilon);
+      std::size_t expected = 0;
+      float below = 0.0f;  // differences of the sums are exact enough to add up to them again
+      while (expected + 1 < size && below + d.probability(expected) <= u)
+        below += d.probability(expected++);
+      const auto cell = d.sample(u);
+      EXPECT_GT(cell.probability, 0.0f);
+      // Adding up rounds: next to a border either side of it may be right.
+      if (cell.index != expected) {
+        EXPECT_TRUE(cell.offset < 1e-2f || cell.offset > 0.99f) << size << " " << u;
+      }
+    }
+  }
 }
 
 TEST(Distribution1D, WithoutAnyWeightIsUniformAndBadWeightsAreRefused) {

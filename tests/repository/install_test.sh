@@ -17,6 +17,10 @@ cmake --install "$build" --prefix "$folder" >"$folder/log" || { cat "$folder/log
 left=$(find "$folder" -name '*.topo' -o -name '*.tmp')
 [[ -z $left ]] || fail "caches or temporary files are installed: $left"
 
+for file in share/man/man1/morsel.1 share/bash-completion/completions/morsel; do
+  [[ -s $folder/$file ]] || fail "$file is not installed"
+done
+
 version=$("$folder/bin/morsel" --version) || fail "the installed command does not run"
 expected=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$build/CMakeCache.txt")
 [[ -n $expected && $version == *"$expected"* ]] || fail "--version says \"$version\", not $expected"

@@ -2,6 +2,7 @@
 // What the benchmark says, not how fast it is.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "command_scene.h"
@@ -76,6 +77,44 @@ TEST_F(BenchCommandTest, NothingToMeasureIsAnError) {
   EXPECT_NE(result.err.find("nothing is kept"), std::string::npos) << result.err;
   EXPECT_EQ(run_morsel({"bench", rock_, "--error", "2"}).code, 2);
   EXPECT_EQ(run_morsel({"bench"}).code, 2);
+}
+
+// How often `part` is in `text`.
+int count_of(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+TEST_F(BenchCommandTest, ThePageIsCompleteInItself) {
+  const std::string page_file = (folder_ / "bench.html").string();
+  const CommandResult result =
+      run_morsel({"bench", rock_, "--error", "0.02", "--resolution", "32", "--repetitions", "1",
+                  "--render-width", "16", "--render-spp", "1", "--scaling", "--layers", "2",
+                  "--html", page_file, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json info = json::parse(result.out);
+  ASSERT_EQ(info["layers"].size(), 2u);
+  EXPECT_EQ(info["layers"][1]["layers"], 2);
+  EXPECT_GT(info["layers"][1]["components"], info["layers"][0]["components"]);
+  EXPECT_GT(info["layers"][0]["evaluations_per_ray"], 0.0);
+  ASSERT_FALSE(info["scaling"].empty());
+  EXPECT_EQ(info["scaling"][0]["threads"], 1);
+  EXPECT_EQ(info["scaling"][0]["speedup"], 1.0);
+
+  const std::string page = read_text(page_file);
+  EXPECT_EQ(page.rfind("<!DOCTYPE html>", 0), 0u);
+  EXPECT_EQ(count_of(page, "<svg class=\"plot\""), 4);
+  EXPECT_EQ(count_of(page, "<svg"), count_of(page, "</svg>"));
+  EXPECT_EQ(count_of(page, "<rect"), 5);      // a bar for each ratio
+  EXPECT_EQ(count_of(page, "<polyline"), 4);  // speed-up and ideal, labels, evaluations
+  for (const char* bad : {"http://", "https://", "<script", "<link", "src=", "nan", "inf,"})
+    EXPECT_EQ(page.find(bad), std::string::npos) << bad;
+  // The bars say what the document says.
+  char value[32];
+  std::snprintf(value, sizeof value, ">%.3g</text>", info["vs_mesh"]["primary"].get<double>());
+  EXPECT_NE(page.find(value), std::string::npos) << value;
 }
 
 }  // namespace

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <csignal>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "command_scene.h"
 #include "run_command.h"
@@ -16,13 +13,11 @@ using nlohmann::json;
 
 class RenderCommandTest : public ::testing::Test {
  protected:
-  CommandResult render(const std::vector<std::string>& more = {},
-                       const decltype(CommandOptions::then)& then = {}) {
+  CommandResult render(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments{"render", "scene.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     CommandOptions options;
     options.folder = folder_.path();
-    options.then = then;
     return run_morsel(arguments, options);
   }
 
@@ -62,6 +57,17 @@ TEST_F(RenderCommandTest, StatisticsAreOneDocument) {
   EXPECT_EQ(statistics["samples"]["total"], 16 * 10 * 3);
   EXPECT_EQ(statistics["samples"]["non_finite"], 0);
   EXPECT_EQ(statistics["rays"]["camera"], 16 * 10 * 3);
+  std::uint64_t counted = 0;
+  for (const json& n : statistics["rays"]["cost"]["camera"]["histogram"])
+    counted += n.get<std::uint64_t>();
+  EXPECT_EQ(counted, 16 * 10 * 3);
+  EXPECT_GT(statistics["rays"]["cost"]["camera"]["evaluations"], 0);
+  EXPECT_EQ(statistics["rays"]["cost"]["camera"]["filter_calls"], 0);
+  EXPECT_EQ(statistics["end"], "done");
+  EXPECT_GT(statistics["memory"]["peak"], 1000000);
+  EXPECT_GT(statistics["efficiency"]["per_second"], 0.0);
+  EXPECT_EQ(statistics["efficiency"]["threads"], 2);
+  EXPECT_TRUE(statistics["texture_cache"].empty());
   EXPECT_EQ(statistics["hypertextures"][0]["geometry"], "rock");
   EXPECT_EQ(statistics["hypertextures"][0]["cache_built"], true);
   EXPECT_EQ(statistics["hypertextures"][0]["kept"], 1);
@@ -120,22 +126,143 @@ TEST_F(RenderCommandTest, CacheForSeveralHypertexturesIsRefused) {
   EXPECT_NE(result.err.find("geometries.NAME.cache"), std::string::npos) << result.err;
 }
 
-TEST_F(RenderCommandTest, InterruptExitsWith130AndLeavesNoPicture) {
-  ASSERT_EQ(run_morsel({"cache", "build", scene_.string()}).code, 0);
-  for (const int signal : {SIGINT, SIGTERM}) {
-    // Hours of work; the signal comes when it has begun.
-    const CommandResult result = render(
-        {"--spp", "20000", "--resolution", "640x480", "-v"},
-        [signal](int pid, const std::filesystem::path& err) {
-          for (int i = 0; i < 600 && read_text(err).find("cache read") == std::string::npos; ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
-          std::this_thread::sleep_for(std::chrono::milliseconds(300));
-          ::kill(pid, signal);
-        });
-    EXPECT_EQ(result.code, 130) << result.err;
+TEST_F(RenderCommandTest, SeveralScenesGoIntoOneFolder) {
+  folder_.write("other/scene2.json", kCommandScene);
+  std::filesystem::create_directory(folder_ / "out");
+  const CommandResult good = render({"other/scene2.json", "-o", "out/", "--stats", "json:s.json"});
+  ASSERT_EQ(good.code, 0) << good.err;
+  EXPECT_EQ(good.out, "out/scene.exr\nout/scene.png\nout/scene2.exr\nout/scene2.png\n");
+  EXPECT_EQ(exr_pixels(folder_ / "out/scene.exr"), exr_pixels(folder_ / "out/scene2.exr"));
+  const json statistics = json::parse(read_text(folder_ / "s.json"));
+  ASSERT_EQ(statistics.size(), 2u);
+  EXPECT_EQ(statistics[1]["scene"], "other/scene2.json");
+
+  EXPECT_EQ(render({"other/scene2.json", "-o", "a.exr"}).code, 2);
+  EXPECT_EQ(render({"other/scene2.json", "--cache", "a.topo"}).code, 2);
+  // The same name twice.
+  folder_.write("other/scene.json", kCommandScene);
+  const CommandResult same = render({"other/scene.json"});
+  EXPECT_EQ(same.code, 2);
+  EXPECT_NE(same.err.find("would both write scene.exr"), std::string::npos) << same.err;
+}
+
+// One that fails does not keep the others from being rendered, and is not forgotten.
+TEST_F(RenderCommandTest, AFailureAmongSeveralScenesIsTheExitCode) {
+  json bad = json::parse(kCommandScene);
+  bad["geometries"][0]["cache"] = "wrong.topo";
+  folder_.write("bad.json", bad.dump());
+  folder_.write("wrong.topo", "not a cache");
+  const CommandResult result =
+      run_morsel({"render", "bad.json", "scene.json"}, {.folder = folder_.path()});
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_NE(result.err.find("wrong.topo"), std::string::npos) << result.err;
+  EXPECT_EQ(result.out, "scene.exr\nscene.png\n");
+  EXPECT_FALSE(exists("bad.exr"));
+}
+
+TEST_F(RenderCommandTest, EnvironmentsAreFoundBesideTheScene) {
+  const std::filesystem::path assets = std::filesystem::path(MORSEL_SOURCE_DIR) / "scenes/assets";
+  folder_.write("deep/scene3.json", kCommandScene);
+  std::filesystem::create_directory(folder_ / "deep/sky");
+  std::filesystem::copy_file(assets / "studio.exr", folder_ / "deep/sky/studio.exr");
+  const CommandResult result = run_morsel(
+      {"render", "deep/scene3.json", "--set", "lights.0.file=sky/studio.exr", "--spp", "1"},
+      {.folder = folder_.path()});
+  EXPECT_EQ(result.code, 0) << result.err;
+}
+
+TEST_F(RenderCommandTest, TimeLimitEndsARenderThatIsDone) {
+  const CommandResult good =
+      render({"--spp", "1000000", "--time-limit", "0.2s", "--stats", "json"});
+  ASSERT_EQ(good.code, 0) << good.err;
+  const json statistics = json::parse(good.out);
+  EXPECT_EQ(statistics["end"], "time_limit");
+  EXPECT_GE(statistics["samples"]["total"], 32 * 24);
+  EXPECT_LT(statistics["samples"]["total"], 32 * 24 * 1000000ull);
+  EXPECT_NE(good.err.find("time is up"), std::string::npos) << good.err;
+}
+
+TEST_F(RenderCommandTest, WrongValuesOfFlagsNameTheChoices) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--time-limit", "soon"}, "90s, 15m or 1.5h"},
+      {{"--time-limit", "0"}, "90s, 15m or 1.5h"},
+      {{"--time-limit", "5d"}, "90s, 15m or 1.5h"},
+      {{"--shard", "2/2"}, "counted from 0"},
+      {{"--shard", "1"}, "INDEX/COUNT"},
+      {{"--shard", "0/3"}, "2 samples a pixel"},
+      {{"--checkpoint-interval", "0%"}, "2%"},
+      {{"--checkpoint-interval", "often"}, "90s, 15m or 1.5h"},
+      {{"--checkpoint", "a.exr"}, "files of their own"},
+      {{"--resume"}, "--checkpoint"},
+      {{"--preview", "a.jpg"}, "tev:HOST:PORT"},
+      {{"--preview", "tev:here:many"}, "tev:HOST:PORT"},
+      {{"--debug-pixel", "1"}, "x,y"},
+      {{"--debug-pixel", "32,0"}, "32 x 24"},
+      {{"--solver", "fastest"}, "model"},
+      {{"--membership", "maybe"}, "streamline"},
+  };
+  for (const auto& [flags, words] : cases) {
+    const CommandResult result = render(flags);
+    EXPECT_EQ(result.code, 2) << flags[0] << ": " << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(flags[0]), std::string::npos) << result.err;
     EXPECT_EQ(result.out, "");
-    EXPECT_NE(result.err.find("interrupted"), std::string::npos) << result.err;
-    EXPECT_EQ(folder_.count_files(), 2u);
+    EXPECT_FALSE(exists("scene.exr"));
+  }
+}
+
+TEST_F(RenderCommandTest, SolversAndMembershipsShowTheSamePicture) {
+  ASSERT_EQ(render({"-o", "a.exr", "--spp", "1"}).code, 0);
+  ASSERT_EQ(render({"-o", "b.exr", "--spp", "1", "--solver", "segment"}).code, 0);
+  ASSERT_EQ(render({"-o", "c.exr", "--spp", "1", "--keep", "all"}).code, 0);
+  EXPECT_NE(exr_pixels(folder_ / "a.exr"), exr_pixels(folder_ / "c.exr"));
+}
+
+TEST_F(RenderCommandTest, DebugPixelListsSamplesAndRays) {
+  const CommandResult result = render({"--debug-pixel", "16,12", "--spp", "3"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* words : {"sample 0: at 16.", "sample 2: at 16.", "hits rock (grey) at ",
+                            "component ", "  camera ray from 0 0 6 ", "mean of 3 samples"})
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
+  EXPECT_FALSE(exists("scene.exr"));
+}
+
+TEST_F(RenderCommandTest, FullDisksAreFailuresThatLeaveNothing) {
+  ASSERT_EQ(run_morsel({"cache", "build", scene_.string()}).code, 0);
+  CommandOptions options;
+  options.folder = folder_.path();
+  options.file_limit = 2000;
+  const CommandResult result =
+      run_morsel({"render", "scene.json", "--checkpoint", "a.checkpoint", "-q"}, options);
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_NE(result.err.find("scene.exr"), std::string::npos) << result.err;
+  EXPECT_EQ(folder_.count_files(), 2u);
+}
+
+TEST_F(RenderCommandTest, FoldersThatAreReadOnlyAreFoundFirst) {
+  const std::filesystem::path locked = folder_ / "locked";
+  std::filesystem::create_directory(locked);
+  using std::filesystem::perms;
+  std::filesystem::permissions(locked, perms::owner_read | perms::owner_exec | perms::group_read |
+                                           perms::group_exec | perms::others_read |
+                                           perms::others_exec);
+  std::filesystem::permissions(folder_.path(), perms::all);
+  CommandOptions options;
+  options.folder = folder_.path();
+  options.unprivileged = true;
+  if (run_morsel({"field", "--help"}, options).code != 0)
+    GTEST_SKIP() << "the build tree is closed to other users";
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"-o", "locked/a.exr"},
+                                             {"--checkpoint", "locked/a.checkpoint"},
+                                             {"--preview", "locked/a.png"},
+                                             {"--stats", "json:locked/s.json"}}) {
+    std::vector<std::string> arguments{"render", "scene.json"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const CommandResult result = run_morsel(arguments, options);
+    EXPECT_EQ(result.code, 1) << flags[0];
+    EXPECT_NE(result.err.find("locked/"), std::string::npos) << result.err;
+    EXPECT_EQ(folder_.count_files(), 1u);
   }
 }
 

@@ -2,8 +2,12 @@
 #include "run_command.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <cstring>
 
 namespace morsel::test {
 namespace {
@@ -16,6 +20,24 @@ void redirect(int fd, const std::filesystem::path& file, int flags) {
 }
 
 }  // namespace
+
+std::string exr_pixels(const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  // Magic number and version; then attributes: name, type, size, value; a zero ends them.
+  std::size_t at = 8;
+  while (at < text.size() && text[at] != 0) {
+    for (int i = 0; i < 2; ++i) at = text.find('\0', at) + 1;
+    std::uint32_t size = 0;
+    std::memcpy(&size, text.data() + at, sizeof size);
+    at += sizeof size + size;
+  }
+  // Then the table of where the chunks of pixels are, counted from the file's beginning.
+  std::uint64_t first = 0;
+  if (at + 1 + sizeof first > text.size())
+    throw std::runtime_error(file.string() + ": not an EXR file");
+  std::memcpy(&first, text.data() + at + 1, sizeof first);
+  return text.substr(first);
+}
 
 CommandResult run_morsel(const std::vector<std::string>& arguments, const CommandOptions& options) {
   const TemporaryFolder files;
@@ -35,6 +57,13 @@ CommandResult run_morsel(const std::vector<std::string>& arguments, const Comman
     redirect(STDOUT_FILENO, options.output.empty() ? files / "out" : options.output, O_WRONLY);
     redirect(STDERR_FILENO, files / "err", O_WRONLY);
     if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(126);
+    if (options.file_limit > 0) {
+      const rlimit limit{options.file_limit, options.file_limit};
+      ::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+      if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(126);
+    }
+    if (options.unprivileged && ::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0))
+      ::_exit(126);
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "renderer/math/vector.h"
+
+// Sums in fixed point. Integer addition is associative, so what a pixel adds up to depends neither
+// on the order of its samples nor on how they are spread over runs and machines: a render that was
+// interrupted, or put together from shards, has the same bits as one that was not.
+namespace morsel::render {
+
+__extension__ typedef __int128 Int128;
+
+// A colour, of which samples are added: steps of 2^-64, each sample clamped to +-2^40, so that 2^20
+// samples (the most that a scene may ask for) and more cannot overflow.
+struct ColorSum {
+  Int128 channel[3] = {0, 0, 0};
+
+  // Finite values only.
+  void add(const V3f& c) {
+    for (int i = 0; i < 3; ++i)
+      channel[i] += static_cast<Int128>(std::clamp(double{c[i]}, -kMost, kMost) * 0x1p64);
+  }
+  void add(const ColorSum& other) {
+    for (int i = 0; i < 3; ++i) channel[i] += other.channel[i];
+  }
+  double value(int i) const { return static_cast<double>(channel[i]) * 0x1p-64; }
+  V3d mean(double count) const { return {value(0) / count, value(1) / count, value(2) / count}; }
+
+  static constexpr double kMost = 0x1p40;
+};
+
+// Squares of a colour's channels, in the same steps. The sum stops at 2^61, which is to say that
+// the variance of a pixel with samples beyond 10^9 is only bounded from below.
+struct SquareSum {
+  Int128 channel[3] = {0, 0, 0};
+
+  void add(const V3f& c) {
+    for (int i = 0; i < 3; ++i)
+      raise(channel[i], static_cast<Int128>(std::min(double{c[i]} * c[i], 0x1p61) * 0x1p64));
+  }
+  void add(const SquareSum& other) {
+    for (int i = 0; i < 3; ++i) raise(channel[i], other.channel[i]);
+  }
+  bool saturated(int i) const { return channel[i] >= kMost; }
+  double value(int i) const { return static_cast<double>(channel[i]) * 0x1p-64; }
+
+ private:
+  static constexpr Int128 kMost = Int128{1} << 125;
+  static void raise(Int128& sum, Int128 by) { sum = std::min(sum + std::min(by, kMost), kMost); }
+};
+
+// Numbers of magnitude below 2^10: steps of 2^-32.
+struct SmallSum {
+  std::int64_t total = 0;
+
+  void add(float x) { total += static_cast<std::int64_t>(double{x} * 0x1p32); }
+  void add(const SmallSum& other) { total += other.total; }
+  float mean(double count) const {
+    return static_cast<float>(static_cast<double>(total) * 0x1p-32 / count);
+  }
+};
+
+}  // namespace morsel::render

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/debug_pixel.h"
+
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "renderer/integrator/trace_pixel.h"
+#include "tools/parse_values.h"
+#include "tools/render_job.h"
+#include "tools/session.h"
+
+namespace morsel::tools {
+namespace {
+
+std::string shown(const Imath::V3f& v) {
+  return fmt::format("{:.7g} {:.7g} {:.7g}", v.x, v.y, v.z);
+}
+
+void print(const render::Scene& scene, std::size_t index, const render::TracedSample& traced) {
+  const render::PathSample& s = traced.sample;
+  std::cout << fmt::format("sample {}: at {:.4f},{:.4f}, radiance {}, alpha {:g}\n", index,
+                           traced.film.x, traced.film.y, shown(s.radiance), s.alpha);
+  if (s.depth < render::kFarDepth) {
+    const bool instance = s.instance < scene.instances.size();
+    std::cout << fmt::format(
+        "  hits {} ({}) at {}, depth {:.7g}, normal {}, albedo {}",
+        instance ? scene.instances[s.instance].name : "a light",
+        s.material < scene.materials.size() ? scene.materials[s.material].name : "no material",
+        shown(s.position), s.depth, shown(s.geometric_normal), shown(s.albedo));
+    if (s.component > 0.0f) std::cout << fmt::format(", component {:.0f}", s.component - 1.0f);
+    std::cout << '\n';
+  }
+  for (const render::RayLog::Record& r : traced.rays) {
+    const char* kind = r.query == render::RayLog::Query::kCoherent   ? "camera"
+                       : r.query == render::RayLog::Query::kOccluded ? "shadow"
+                                                                     : "bounce";
+    std::cout << fmt::format("  {} ray from {} towards {}, to t = {:.7g}\n", kind,
+                             shown({r.ray.org_x, r.ray.org_y, r.ray.org_z}),
+                             shown({r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}), r.ray.tfar);
+  }
+}
+
+}  // namespace
+
+int debug_pixel(const std::string& scene, const std::vector<render::Override>& overrides,
+                const std::string& pixel, Reporter& reporter, const std::atomic<bool>& cancel) {
+  const std::vector<int> at = parse_integers("--debug-pixel", pixel, ',', 2, "x,y in pixels");
+  RenderPlan plan;
+  plan.scene = scene;
+  plan.overrides = overrides;
+  const render::LoadedScene loaded = load_for_render(plan, reporter, cancel);
+  const render::RenderSettings& settings = loaded.scene.settings;
+  if (at[0] < 0 || at[1] < 0 || at[0] >= settings.width || at[1] >= settings.height)
+    throw UsageError(fmt::format("--debug-pixel {}: the picture has {} x {} pixels", pixel,
+                                 settings.width, settings.height));
+  const auto samples = render::trace_pixel(loaded.scene, at[0], at[1]);
+  Imath::V3f mean(0.0f);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    print(loaded.scene, i, samples[i]);
+    mean += samples[i].sample.radiance / static_cast<float>(samples.size());
+  }
+  std::cout << fmt::format("mean of {} samples: {}\n", samples.size(), shown(mean));
+  return kDone;
+}
+
+}  // namespace morsel::tools
