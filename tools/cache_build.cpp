@@ -211,8 +211,11 @@ class Builder {
     if (audit.is_null()) return "";
     if (!audit.value("agreed", false)) return ", engines NOT compared";
     const bool mesh = audit.value("euler_compared_with", nlohmann::json::array()).size() > 1;
+    const bool asked = audit.value("mesh_asked", false);
     return fmt::format(", engines agree, Euler characteristics by octree{}",
-                       mesh ? " and mesh" : "");
+                       mesh    ? " and mesh"
+                       : asked ? " alone (the mesh was made but is not certified)"
+                               : "");
   }
 
   const Options& options_;

@@ -62,7 +62,8 @@ std::optional<Imath::V3d> not_proved_empty(const ScalarField& field, const Box& 
                                            int depth) {
   const Interval range = field.model(face).range();
   if (range.hi < 0.0) return std::nullopt;
-  if (range.lo >= 0.0 || depth == kFaceDepth) return centre(face);
+  if (range.lo >= 0.0 || depth == kFaceDepth || field.value(centre(face)) >= 0.0)
+    return centre(face);
   const std::unique_ptr<ScalarField> local = field.restricted_to(face);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const Imath::V3d middle = centre(face);

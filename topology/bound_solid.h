@@ -15,8 +15,9 @@ namespace morsel::topology {
 // certified. Empty when no grid point is inside. Does not depend on the number of threads.
 Box find_solid(const ScalarField& field, const Box& outer);
 
-// Where {F >= 0} may reach the boundary of the box and be cut: the centre of a piece of a face on
-// which F < 0 is not proved. Empty when it is proved on all of the boundary.
+// Where {F >= 0} may reach the boundary of the box and be cut: a point of a face where F >= 0, or
+// the centre of a very small piece on which F < 0 is not proved. Empty when it is proved on all of
+// the boundary.
 std::optional<Imath::V3d> place_where_cut(const ScalarField& field, const Box& box);
 
 // A point of `outer` but not of `box` with F >= 0: of a grid, the one where F is largest; empty

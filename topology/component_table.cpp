@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "topology/bound_solid.h"
 #include "topology/tree_labels.h"
 #include "topology/union_find.h"
 
@@ -160,6 +161,8 @@ void label_components(const ScalarField& field, Forest& forest, const Execution&
     topology.depth = std::max(topology.depth, tree.depth);
     if (!topology.touches_box) topology.touches_box = tree.touches;
   }
+  // A leaf's face need not show that S keeps off it: smaller pieces of the boundary may.
+  if (topology.touches_box) topology.touches_box = place_where_cut(field, forest.box);
 
   // One row per set of certainly joined pieces that hold solid, in order of the sets' first pieces.
   std::vector<std::uint32_t> row(count, kNoComponent);

@@ -106,14 +106,24 @@ std::vector<std::string> topology_warnings(const geom::Hypertexture& hypertextur
                                            const topology::Topology& topology) {
   const std::string& geometry = hypertexture.name;
   std::vector<std::string> warnings;
-  if (const auto& place = topology.touches_box)
+  if (const auto& place = topology.touches_box) {
+    const bool known = hypertexture.field->value(*place) >= 0.0;
     warnings.push_back(
-        fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, {:.4g}) "
-                    "and is cut there",
-                    geometry, place->x, place->y, place->z));
-  else if (std::string text = solid_out_of_bounds(hypertexture, topology); !text.empty())
+        fmt::format("geometry \"{}\": its surface {} its bounds near ({:.4g}, {:.4g}, {:.4g}) and "
+                    "{} cut there",
+                    geometry, known ? "reaches" : "may reach", place->x, place->y, place->z,
+                    known ? "is" : "be"));
+  } else if (std::string text = solid_out_of_bounds(hypertexture, topology); !text.empty()) {
     warnings.push_back(std::move(text));
-  if (!topology.certified)
+  }
+  // Labels by the Morse engine are never certified; that alone leaves nothing undecided.
+  if (topology.unresolved_cells == 0 && topology.unresolved_faces == 0) return warnings;
+  if (topology.engine == to_string(topology::Engine::kMorse))
+    warnings.push_back(fmt::format(
+        "geometry \"{}\": {} cells are of no certain component: their ascents were lost, or the "
+        "octree left them undecided",
+        geometry, topology.unresolved_cells));
+  else
     warnings.push_back(
         fmt::format("geometry \"{}\": {} cells and {} faces stayed undecided at the depth limit",
                     geometry, topology.unresolved_cells, topology.unresolved_faces));

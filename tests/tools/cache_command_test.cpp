@@ -242,6 +242,29 @@ TEST_F(CacheCommandTest, PerturbationResolvesCurvesOfCriticalPoints) {
   EXPECT_NE(again.out.find("made with the perturbation 0.01"), std::string::npos) << again.out;
 }
 
+// Sound fields with derived bounds and no noise: nothing to warn of.
+TEST_F(CacheCommandTest, PlainDensitiesAreAuditedWithoutWarnings) {
+  const std::string box =
+      folder_
+          .write("box.json",
+                 R"({"morsel": 1, "geometries": [{"name": "box", "type": "hypertexture",
+                     "field": {"density": {"type": "rounded_box", "half_size": [1, 0.7, 0.5], "rounding": 0.2}}}]})")
+          .string();
+  const CommandResult both = run_morsel(
+      {"cache", "build", box, "--engine", "both", "--perturb", "1e-2", "--quiet", "-o", cache_});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_EQ(both.err, "");
+  EXPECT_NE(both.out.find("engines agree"), std::string::npos) << both.out;
+}
+
+TEST_F(CacheCommandTest, MorseLabelsAreNotUndecidedBecauseTheyAreNotCertified) {
+  const CommandResult morse = build({"--engine", "morse", "-o", cache_});
+  EXPECT_EQ(morse.code, 0) << morse.err;
+  EXPECT_EQ(morse.err.find("undecided"), std::string::npos) << morse.err;
+  EXPECT_NE(morse.out.find("NOT certified"), std::string::npos) << morse.out;
+  EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 0);
+}
+
 TEST_F(CacheCommandTest, ExportsCriticalPoints) {
   ASSERT_EQ(build({"-o", cache_}).code, 0);
   const std::string csv = (folder_ / "a.csv").string(), vtp = (folder_ / "a.vtp").string(),

@@ -16,6 +16,7 @@
 #include "tests/topology/blobs.h"
 #include "tests/topology/flood_fill.h"
 #include "topology/bound_solid.h"
+#include "topology/verify.h"
 
 namespace morsel::topology {
 namespace {
@@ -225,6 +226,21 @@ TEST(Certified, ReportsSolidThatTheBoxCuts) {
   const Topology t = certify_in(*field, Box(Imath::V3d(-2.0), Imath::V3d(2.0, 2.0, 0.5)));
   ASSERT_TRUE(t.touches_box.has_value());
   EXPECT_DOUBLE_EQ(t.touches_box->z, 0.5);
+}
+
+// Derived bounds are proved free of solid, whatever the faces of the octree's cells show.
+TEST(Certified, PlainDensitiesDoNotTouchDerivedBounds) {
+  for (const nlohmann::json& density : std::vector<nlohmann::json>{
+           {{"type", "capsule"}, {"start", {-1, 0, 0}}, {"end", {1, 0, 0}}, {"radius", 0.5}},
+           {{"type", "rounded_box"}, {"half_size", {1, 0.7, 0.5}}, {"rounding", 0.2}},
+           {{"type", "torus"}, {"axis", {0, 1, 0}}, {"major_radius", 1}, {"minor_radius", 0.3}}}) {
+    const auto field = geom::testing::field_of({{"density", density}});
+    const Topology t = certify_in(*field, find_solid(*field, *field->solid_bounds()));
+    EXPECT_FALSE(t.touches_box.has_value()) << density;
+    EXPECT_EQ(t.components.size(), 1u) << density;
+    const VerifyReport report = verify(*field, t, {});
+    EXPECT_TRUE(report.passed()) << (report.failures.empty() ? "" : report.failures[0]);
+  }
 }
 
 // A field that calls `after` when its models, and those of all its restrictions, have been asked

@@ -12,6 +12,7 @@
 #include "topology/morse/engine.h"
 #include "topology/morse/morse_sections.h"
 #include "topology/morse/octree_euler.h"
+#include "topology/morse/streamline_labels.h"
 #include "topology/verify.h"
 
 namespace morsel::topology {
@@ -315,6 +316,70 @@ TEST(Engine, MorseAloneGivesTheSameLabels) {
   ASSERT_TRUE(morse.components_hi.has_value());
   EXPECT_LE(morse.components_lo, certified.components.size());
   EXPECT_GE(*morse.components_hi, certified.components.size());
+}
+
+// Writes and reads back what an engine made, and proves the octree again.
+void expect_readable(const ScalarField& field, const Topology& topology, Sections sections) {
+  TopologyCache cache;
+  cache.topology = topology;
+  cache.sections = std::move(sections);
+  cache.field_hash = std::string(32, '0');
+  const auto path = std::filesystem::path(::testing::TempDir()) / "morse_readable.topo";
+  write_cache(cache, path);
+  const TopologyCache back = read_cache(path);
+  std::filesystem::remove(path);
+  const auto labels_of = [](const Topology& t) {  // nodes may lie in another order
+    std::vector<std::uint32_t> labels;
+    t.octree().for_each_leaf(
+        [&](const OctreeView::Leaf& leaf) { labels.push_back(t.nodes[leaf.node].component); });
+    return labels;
+  };
+  ASSERT_EQ(labels_of(back.topology), labels_of(topology));
+  const VerifyReport report = verify(field, back.topology, {});
+  EXPECT_TRUE(report.passed()) << (report.failures.empty() ? "" : report.failures[0]);
+}
+
+// Maxima and basins are the perturbed field's, so ascents must be too.
+TEST(Engine, MorseAloneLabelsWithAPerturbation) {
+  const auto field = geom::testing::field_of(
+      {{"density",
+        {{"type", "capsule"}, {"start", {-1, 0, 0}}, {"end", {1, 0, 0}}, {"radius", 0.5}}}});
+  CertifyOptions options;
+  options.box = find_solid(*field, *field->solid_bounds());
+  EngineOptions engine = Engine::kMorse;
+  engine.perturbation = 0.3;
+  Sections sections;
+  const Topology t = run_engine(engine, *field, options, sections);
+  ASSERT_EQ(t.components.size(), 1u);
+  EXPECT_GT(t.components[0].cells, 100u);
+  EXPECT_EQ(t.unresolved_cells, 0u);
+  expect_readable(*field, t, sections);
+}
+
+TEST(Engine, CellsWhoseAscentsAreLostAreUndecided) {
+  const Blobs field({{0.01, 0.02, 0.03}, {1.01, 0.1, 0.0}, {4.0, 0.1, 0.2}}, 1.0, 0.3);
+  const Topology certified = certify_in(field, cube(6.0));
+  MorseOptions options;
+  options.box = certified.box;
+  MorseComplex complex = morse_complex(field, options);
+  // As if the ascents to the second maximum of the pair led nowhere.
+  for (CriticalPoint& p : complex.points)
+    if (p.type == CriticalType::kMaximum && (p.position - Imath::V3d(1.0, 0.1, 0.0)).length() < 0.3)
+      p.set = kNoSet;
+  Topology t = certified;
+  label_by_streamlines(field, complex, t);
+  t.engine = to_string(Engine::kMorse);
+  EXPECT_GT(t.unresolved_cells, 0u);
+  EXPECT_GT(t.components[0].cells, 0u);
+  std::uint64_t undecided = 0;
+  for (std::size_t i = 0; i < t.nodes.size(); ++i) {
+    if (!t.nodes[i].is_leaf()) continue;
+    undecided += t.nodes[i].cell_content() == Content::kUndecided;
+    // For rendering every cell has the component that it has by certified labels as well.
+    EXPECT_EQ(t.nodes[i].component == kNoComponent, certified.nodes[i].component == kNoComponent);
+  }
+  EXPECT_EQ(undecided, t.unresolved_cells);
+  expect_readable(field, t, {});
 }
 
 TEST(MorseSections, RoundTripAndHostileRecords) {

@@ -54,10 +54,10 @@ class Auditor {
           fmt::format("the certified engine left {} cells and {} faces undecided",
                       topology_.unresolved_cells, topology_.unresolved_faces));
     if (const auto& place = topology_.touches_box)
-      audit_.reasons.push_back(
-          fmt::format("the box cuts the solid near ({:.6g}, {:.6g}, {:.6g}): pieces may have no "
-                      "maximum inside",
-                      place->x, place->y, place->z));
+      audit_.reasons.push_back(fmt::format(
+          "the box {} the solid near ({:.6g}, {:.6g}, {:.6g}): pieces may have no "
+          "maximum inside",
+          field_.value(*place) >= 0.0 ? "cuts" : "may cut", place->x, place->y, place->z));
     if (!complex_.resolved())
       audit_.reasons.push_back(fmt::format(
           "the Morse engine left {} boxes undecided, lost {} ascents and found {} degenerate "
@@ -201,7 +201,9 @@ class Auditor {
                      std::vector<bool>(topology_.components.size(), true), options, execution_);
     if (!mesh.certified) return;  // the octree's count stands by itself
     audit_.euler_by_mesh = true;
+    std::vector<bool> has_part(topology_.components.size(), false);
     for (const MeshComponent& part : mesh_components(mesh)) {
+      has_part[part.component] = true;
       // A closed surface bounds a solid of half its characteristic.
       if (part.euler_characteristic == 2 * audit_.euler[part.component]) continue;
       disagree(
@@ -210,6 +212,10 @@ class Auditor {
                       "of {} by the certified mesh",
                       part.component, audit_.euler[part.component], part.euler_characteristic));
     }
+    for (std::uint32_t c = 0; c < has_part.size(); ++c)
+      if (!has_part[c])
+        disagree(topology_.components[c].seed,
+                 fmt::format("component {} has no part of the certified mesh", c));
   }
 
   const ScalarField& field_;

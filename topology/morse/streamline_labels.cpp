@@ -5,11 +5,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <optional>
 
 #include "topology/morse/field_descent.h"
 #include "topology/morse/membership.h"
+#include "topology/morse/perturbed_field.h"
 
 namespace morsel::topology {
 namespace {
@@ -65,6 +67,28 @@ void renumber(MorseComplex& complex, std::vector<Component>& table,
   complex.main = table.empty() ? kNoSet : main_component(table);
 }
 
+// For rendering, a cell without a label belongs to the set that has most of its certified
+// component's cells, by volume. `certified` and `label` of every leaf; the result by component.
+std::vector<std::uint32_t> most_likely_sets(const std::vector<OctreeView::Leaf>& leaves,
+                                            const std::vector<std::uint32_t>& certified,
+                                            const std::vector<std::uint32_t>& label,
+                                            std::size_t components) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> volumes;  // of component and set
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (label[i] == kNoSet || certified[i] == kNoComponent) continue;
+    const Imath::V3d size = leaves[i].box.max - leaves[i].box.min;
+    volumes[{certified[i], label[i]}] += size.x * size.y * size.z;
+  }
+  std::vector<std::uint32_t> set(components, kNoSet);
+  std::vector<double> largest(components, 0.0);
+  for (const auto& [pair, volume] : volumes) {
+    if (volume <= largest[pair.first]) continue;
+    largest[pair.first] = volume;
+    set[pair.first] = pair.second;
+  }
+  return set;
+}
+
 }  // namespace
 
 void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topology& topology,
@@ -72,10 +96,16 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
   std::vector<OctreeView::Leaf> leaves;
   const OctreeView octree = topology.octree();
   octree.for_each_leaf([&](const OctreeView::Leaf& leaf) {
-    const Content content = octree.nodes[leaf.node].cell_content();
-    if (content == Content::kConnected || content == Content::kFull) leaves.push_back(leaf);
+    if (octree.nodes[leaf.node].cell_content() != Content::kEmpty) leaves.push_back(leaf);
   });
-  const StreamlineMembership membership(field, topology.box, complex.points);
+  const auto undecided = [&](std::size_t i) {
+    return topology.nodes[leaves[i].node].cell_content() == Content::kUndecided;
+  };
+  // Cells hold F's solid; ascents are those of the field whose maxima and basins are known.
+  std::optional<PerturbedField> seen;
+  if (complex.perturbation > 0.0) seen = perturbed(field, topology.box, complex.perturbation);
+  const StreamlineMembership membership(seen ? static_cast<const ScalarField&>(*seen) : field,
+                                        topology.box, complex.points);
   std::vector<std::uint32_t> label(leaves.size(), kNoSet);
   if (execution.progress) execution.progress(0.0, "ascents from cells");
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain),
@@ -85,6 +115,7 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
                       FieldDescent fields(field, topology.box);
                       StreamlineTracer tracer = membership.make_tracer();
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        if (undecided(i)) continue;
                         const auto start =
                             point_in_cell(fields.at(leaves[i].box), leaves[i].box, 0);
                         if (!start) continue;
@@ -102,6 +133,13 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     const Box& box = leaves[i].box;
     if (label[i] == kNoSet) {
+      // What is proved of the cell says nothing of its component: stored as undecided.
+      OctreeNode& node = topology.nodes[leaves[i].node];
+      // A full cell may have been proved by its parts, which proves nothing of single faces.
+      if (node.cell_content() == Content::kFull)
+        for (int face = 0; face < 6; ++face)
+          node.set_face_content(face / 2, face % 2, Content::kUndecided);
+      node.content = static_cast<std::uint8_t>(Content::kUndecided);
       ++topology.unresolved_cells;
       if (topology.unresolved.size() < kListed)
         topology.unresolved.push_back({box, field.value(centre(box))});
@@ -120,6 +158,16 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
     c.volume_hi += volume;
     if (full) c.volume_lo += volume;
   }
+  // A maximum that only the perturbed field has may lie in no cell.
+  for (Component& c : table)
+    if (c.cells == 0) c.bounds.extendBy(c.seed);
+  std::vector<std::uint32_t> certified(leaves.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    certified[i] = topology.nodes[leaves[i].node].component;
+  const std::vector<std::uint32_t> likely =
+      most_likely_sets(leaves, certified, label, topology.components.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    if (label[i] == kNoSet && certified[i] != kNoComponent) label[i] = likely[certified[i]];
   renumber(complex, table, label);
   for (OctreeNode& node : topology.nodes) node.component = kNoComponent;
   for (std::size_t i = 0; i < leaves.size(); ++i)
