@@ -13,7 +13,7 @@
 namespace morsel::topology {
 namespace {
 
-constexpr int kSeeds = 2;  // of each kind of field
+constexpr int kSeeds = 2;   // of each kind of field
 constexpr int kSpare = 12;  // more, in place of fields that cannot be compared
 
 class AuditSlow : public ::testing::TestWithParam<const char*> {
