@@ -14,6 +14,17 @@
 namespace morsel::topology {
 namespace {
 
+// a x + b x^2 is least at -a / (2 b), where it is -a^2 / (4 b): the square underflows, the value
+// not.
+TEST(LocalModelRange, HoldsWhereTheSquareOfASlopeUnderflows) {
+  LocalModel model;
+  model.half = Imath::V3d(1e-5);
+  model.c[monomial::kX] = 1e-170;
+  model.c[monomial::kXX] = 1e-164;
+  EXPECT_LE(model.range().lo, -2.49e-177);
+  EXPECT_GE(model.range().lo, -1e-175);
+}
+
 // Boxes with planes on a dyadic grid, wider and narrower than the kernels, at the origin and far
 // from it; `surface` says how far from the sphere of radius 1 the centres may be.
 Box random_box(std::mt19937_64& random, double surface) {
