@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "topology/component_table.h"
@@ -30,9 +31,12 @@ Box dyadic_box(const Box& box) {
   for (int axis = 0; axis < 3; ++axis) {
     const double size = box.max[axis] - box.min[axis];
     const double reach = std::max(std::abs(box.min[axis]), std::abs(box.max[axis]));
-    // A grid of size / 256 to 512, coarser where the box is so far from the origin that 26 halvings
-    // of it would not be exact: 53 bits - 26.
-    const double unit = std::ldexp(1.0, std::max(std::ilogb(size) - 8, std::ilogb(reach) - 26));
+    // A grid of size / 256 to 512, coarser where the box is so far from the origin that its planes,
+    // those through the cells' centres, and one halving more would not be exact.
+    constexpr int kHalvings = kMaxDepth + 2;
+    const double unit = std::ldexp(
+        1.0, std::max(std::ilogb(size) - 8,
+                      std::ilogb(reach) - (std::numeric_limits<double>::digits - 1 - kHalvings)));
     result.min[axis] = std::floor(box.min[axis] / unit) * unit;
     result.max[axis] = std::ceil(box.max[axis] / unit) * unit;
     if (result.max[axis] == result.min[axis]) result.max[axis] += unit;
@@ -60,7 +64,8 @@ Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution) {
   if (options.min_depth < 0 || options.max_depth > kMaxDepth ||
       options.min_depth > options.max_depth)
-    throw std::invalid_argument("depths must satisfy 0 <= min_depth <= max_depth <= 24");
+    throw std::invalid_argument(
+        fmt::format("depths must satisfy 0 <= min_depth <= max_depth <= {}", kMaxDepth));
   Topology topology;
   topology.box = dyadic_box(options.box);
   TreeBuilder builder(field, topology.box, options, execution);

@@ -21,7 +21,7 @@ struct CertifyOptions {
   Box box;            // contains the surface, or cuts it (then `touches_box` says so)
   int min_depth = 3;  // cells that hold surface are subdivided at least this often
   int max_depth =
-      20;  // cells at this depth are not subdivided; what is undecided there is reported
+      24;  // cells at this depth are not subdivided; what is undecided there is reported
 };
 
 class Checkpoint;
@@ -87,7 +87,7 @@ Topology certify(const ScalarField& field, const CertifyOptions& options,
                  const Execution& execution = {});
 
 // Deepest level that an octree may have: its planes are then exact in double (see dyadic_box).
-inline constexpr int kMaxDepth = 24;
+inline constexpr int kMaxDepth = 26;
 
 // The smallest box around `box` whose planes, and those of every octree cell in it down to
 // kMaxDepth, are exact in double precision. Throws std::invalid_argument unless `box` is finite and

@@ -147,7 +147,7 @@ const params::Declaration& hypertexture_declaration() {
         .record = &bounds_declaration()},
        {"min_depth", Type::kInteger, 3, "Octree cells that hold surface are at least this deep.",
         "", 0, 12},
-       {"max_depth", Type::kInteger, 20,
+       {"max_depth", Type::kInteger, 24,
         "Octree cells at this depth are not subdivided further but reported as unresolved.", "", 1,
         topology::kMaxDepth},
        {"keep", Type::kString, "main",

@@ -29,7 +29,8 @@ Box cube(double half, const Imath::V3d& centre = Imath::V3d(0.0)) {
   return {centre - Imath::V3d(half), centre + Imath::V3d(half)};
 }
 
-Topology certify_in(const ScalarField& field, const Box& box, int max_depth = 20) {
+Topology certify_in(const ScalarField& field, const Box& box,
+                    int max_depth = CertifyOptions{}.max_depth) {
   CertifyOptions options;
   options.box = box;
   options.max_depth = max_depth;
@@ -74,11 +75,11 @@ Blobs two_blobs(double saddle, const Imath::V3d& direction, const Imath::V3d& sh
   return Blobs({shift + offset, shift - offset}, 1.0, level);
 }
 
-TEST(Certified, GapsAndBridgesDownToAMillionth) {
+TEST(Certified, GapsAndBridgesDownToAHundredMillionth) {
   const Imath::V3d directions[] = {{1, 0, 0}, {0.3, 0.5, 0.8}, {1, 1, 1}};
   for (const Imath::V3d& direction : directions) {
     for (const Imath::V3d& shift : {Imath::V3d(0.0), Imath::V3d(0.1234, -0.0567, 0.0891)}) {
-      for (int digits = 1; digits <= 6; ++digits) {
+      for (int digits = 1; digits <= 8; ++digits) {
         const double size = std::pow(10.0, -digits);
         const Topology gap = certify_in(two_blobs(-size, direction, shift), cube(2.4));
         EXPECT_TRUE(gap.certified) << digits;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/mesh/mesh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -171,7 +173,8 @@ Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std:
   if (!(options.error > 0.0) || !std::isfinite(options.error))
     throw std::invalid_argument("the error of a mesh must be a positive length");
   if (options.max_depth < 0 || options.max_depth > kMaxDepth)
-    throw std::invalid_argument("the depth limit of a mesh must lie between 0 and 24");
+    throw std::invalid_argument(
+        fmt::format("the depth limit of a mesh must lie between 0 and {}", kMaxDepth));
   const Grid grid(octree.box);
   std::vector<BoundedCell> cells = labelled_cells(octree, grid, kept);
   const CellGoal goal{options.error, options.max_depth,

@@ -250,7 +250,7 @@ TEST(Mesh, WrongArgumentsAndCancelling) {
   EXPECT_THROW(mesh_of(*field, t, 0.0), std::invalid_argument);
   EXPECT_THROW(mesh_of(*field, t, -1.0), std::invalid_argument);
   EXPECT_THROW(mesh_of(*field, t, std::nan("")), std::invalid_argument);
-  EXPECT_THROW(mesh_of(*field, t, 0.1, "all", 25), std::invalid_argument);
+  EXPECT_THROW(mesh_of(*field, t, 0.1, "all", kMaxDepth + 1), std::invalid_argument);
   const std::atomic<bool> cancel{true};
   Execution execution;
   execution.cancel = &cancel;
