@@ -18,10 +18,11 @@ namespace morsel::render {
 //   variance.R .G .B   float  of R, G, B
 //   Z                  float  depth of the first hit along the camera's axis, 1e10 if none
 //   component          float  1 + id of the hypertexture component first hit, else 0
-//   steps              float  mean evaluations of hypertexture that the camera's ray took, hit or
-//   not sampleCount        float  paths; 0 where the render was cancelled denoised.R .G .B   half
-//   R, G, B without noise, if RenderResult has it light_NAME.R .G .B half   the part of R, G, B of
-//   each light group crypto_object00.R .. crypto_object02.A, crypto_material.., crypto_component..
+//   steps              float  mean evaluations of hypertexture by camera rays, hit or not
+//   sampleCount        float  paths; 0 where the render was cancelled
+//   denoised.R .G .B   half   R, G, B without noise, if RenderResult has it
+//   light_NAME.R .G .B half   the part of R, G, B of each light group
+//   crypto_object00.R .. crypto_object02.A, crypto_material.., crypto_component..
 //                      float  Cryptomatte, if asked for: (id, share) of up to six names
 // A crop is the data window inside the display window of the full image. The header has the
 // versions of Morsel and of the libraries that made the pixels, samples, seed, depth, the time of
