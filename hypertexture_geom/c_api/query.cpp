@@ -21,13 +21,14 @@ struct QueryRay {
   float tnear, tfar;
 };
 
-void write_hit(const QueryObject& query, const geom::SurfaceQuery::Hit& hit, std::size_t size,
-               char* out) {
+void write_hit(const QueryObject& query, const QueryRay& ray, const geom::SurfaceQuery::Hit& hit,
+               std::size_t size, char* out) {
   MorselHit r{};
   r.t = hit.t;
   store(hit.gradient, r.gradient);
   r.prim_id = hit.brick;
-  r.component = query.geometry->geometry->component(hit.brick);
+  r.component = query.geometry->geometry->component_at(
+      hit.brick, Imath::V3d(ray.origin) + hit.t * Imath::V3d(ray.direction));
   r.entering = hit.entering;
   std::memcpy(out, &r, std::min(size, sizeof r));
 }
@@ -79,7 +80,7 @@ MorselResult morsel_query_all_hits(MorselQuery query, const MorselRay* ray, size
     const auto found = object.query->all_hits(r.origin, r.direction, r.tnear, r.tfar);
     auto* out = reinterpret_cast<char*>(hits);
     for (size_t i = 0; i < std::min(found.size(), capacity); ++i)
-      write_hit(object, found[i], hit_size, out + i * hit_size);
+      write_hit(object, r, found[i], hit_size, out + i * hit_size);
     *count = found.size();
   });
 }
@@ -94,7 +95,7 @@ MorselResult morsel_query_first_hit(MorselQuery query, const MorselRay* ray, siz
     require_hit_size(hit_size);
     const QueryRay r(ray);
     const auto first = object.query->first_hit(r.origin, r.direction, r.tnear, r.tfar);
-    if (first) write_hit(object, *first, hit_size, reinterpret_cast<char*>(hit));
+    if (first) write_hit(object, r, *first, hit_size, reinterpret_cast<char*>(hit));
     *found = first.has_value();
   });
 }

@@ -36,7 +36,10 @@ struct SurfaceQuery::Impl {
   const HypertextureGeometry& geometry;
   RTCScene scene;
 
-  Impl(const HypertextureGeometry& g, RTCDevice device) : geometry(g), scene(rtcNewScene(device)) {
+  Impl(const HypertextureGeometry& g, RTCDevice device) : geometry(g), scene(nullptr) {
+    // What went wrong before, elsewhere on the device, is no failure of this scene.
+    rtcGetDeviceError(device);
+    scene = rtcNewScene(device);
     RTCGeometry bricks = geometry.create(device);
     rtcSetGeometryIntersectFunction(bricks, collect_callback);
     rtcCommitGeometry(bricks);

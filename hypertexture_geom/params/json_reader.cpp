@@ -36,6 +36,10 @@ class DuplicateKeys {
   std::vector<std::set<std::string>> open_;
 };
 
+// Arrays and objects within one another that a document may have. Whoever walks a document does so
+// by recursion, and names places by their whole path: both must stay small whatever a file holds.
+constexpr int kMaxDocumentDepth = 256;
+
 // "line L, column C" of a byte offset (1-based, as nlohmann counts).
 std::string position_of(const std::string& text, std::size_t byte) {
   std::size_t line = 1, column = 1;
@@ -214,6 +218,10 @@ json parse_text(const std::string& text, const std::string& name) {
     document = json::parse(
         text,
         [&](int depth, json::parse_event_t event, json& parsed) {
+          if (depth > kMaxDocumentDepth)
+            throw InputError(fmt::format(
+                "{}: nested too deeply: at most {} arrays and objects may hold one another", name,
+                kMaxDocumentDepth));
           return duplicates(depth, event, parsed);
         },
         true, true);

@@ -237,12 +237,18 @@ TEST_F(CApi, SolversAndMembership) {
       EXPECT_EQ(info.primitives == 1, solver == MORSEL_SOLVER_SPHERE);
       EXPECT_EQ(info.kept_components, membership == MORSEL_MEMBERSHIP_OFF ? 3u : 1u);
       MorselQuery q = nullptr;
+      // An error of the caller's that nobody has asked for yet is not one of the query.
+      RTCGeometry other = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+      rtcSetGeometryBuildQuality(other, static_cast<RTCBuildQuality>(77));
+      rtcReleaseGeometry(other);
       ASSERT_EQ(morsel_create_query(g, device, &q), MORSEL_OK);
       MorselHit hit;
       std::int32_t found = 0;
       ASSERT_EQ(morsel_query_first_hit(q, &at_main, sizeof hit, &hit, &found), MORSEL_OK);
       ASSERT_EQ(found, 1) << solver << ' ' << membership;
       EXPECT_NEAR(hit.t, 2.0 - std::sqrt(0.25 - 0.02), 1e-3) << solver << ' ' << membership;
+      // One primitive of all components names the hit's own, too.
+      EXPECT_LT(hit.component, 3u) << solver << ' ' << membership;
       ASSERT_EQ(morsel_query_any_hit(q, &at_debris, &found), MORSEL_OK);
       EXPECT_EQ(found, membership == MORSEL_MEMBERSHIP_OFF ? 1 : 0) << solver << ' ' << membership;
       EXPECT_EQ(morsel_release_query(q), MORSEL_OK);

@@ -68,6 +68,25 @@ TEST(FieldJson, ErrorsNameFilePlaceValueAndChoices) {
   EXPECT_EQ(error_of(bad), "no error");
 }
 
+// Before anything walks the document: a hundred thousand levels overflowed the stack, and ten
+// thousand took all memory for the paths that errors name.
+TEST(FieldJson, DocumentsOfEndlessDepthAreRefused) {
+  for (const int levels : {300, 10'000, 1'000'000}) {
+    for (const char* open : {"[", "{\"densities\":"}) {
+      std::string text;
+      for (int i = 0; i < levels; ++i) text += open;
+      try {
+        params::parse_text(text, "deep.json");
+        ADD_FAILURE() << levels;
+      } catch (const params::InputError& e) {
+        EXPECT_NE(std::string(e.what()).find("deep.json: nested too deeply: at most 256"),
+                  std::string::npos)
+            << e.what();
+      }
+    }
+  }
+}
+
 TEST(FieldJson, CoordinatesHaveARange) {
   const json bounds{{"min", {-1, -1, -1}}, {"max", {1, 1, 1}}};
   json bad = rock();
