@@ -18,7 +18,7 @@ find_package(nanoflann CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 
-# Optional: a denoised image layer. Debian 13 has it (libopenimagedenoise-dev), Debian 12 does not.
+# Optional: a denoised image layer. Neither Debian 12 nor Debian 13 packages it.
 find_package(OpenImageDenoise CONFIG QUIET)
 
 find_package(embree 4 CONFIG QUIET)

@@ -46,7 +46,6 @@ struct SurfaceInteraction {
   std::uint32_t primitive = kNoIndex;
   std::uint32_t component = kNoIndex;  // of hypertexture
   std::uint32_t material = 0;
-  float steps = 0.0f;  // of the solver that found a hypertexture's hit, where it counts them
   std::uint32_t light =
       kNoIndex;  // local light of LightSet; materials that emit are not lights here
 

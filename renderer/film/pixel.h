@@ -30,7 +30,7 @@ struct PathSample {
   V3f geometric_normal{0.0f};                                    // unit, towards the viewer
   std::uint32_t instance = 0xffffffffu, material = 0xffffffffu;  // none: a light, or nothing
   float component = 0.0f;  // 1 + id of the hypertexture component, 0 for anything else
-  float steps = 0.0f;      // evaluations that its search took
+  float steps = 0.0f;      // evaluations of hypertexture that the camera's ray took, hit or not
 };
 
 // A finished pixel.

@@ -18,7 +18,7 @@ namespace morsel::render {
 //   variance.R .G .B   float  of R, G, B
 //   Z                  float  depth of the first hit along the camera's axis, 1e10 if none
 //   component          float  1 + id of the hypertexture component first hit, else 0
-//   steps              float  evaluations that finding the first hit took, where they are counted
+//   steps              float  mean evaluations of hypertexture by camera rays, hit or not
 //   sampleCount        float  paths; 0 where the render was cancelled
 //   denoised.R .G .B   half   R, G, B without noise, if RenderResult has it
 //   light_NAME.R .G .B half   the part of R, G, B of each light group

@@ -270,7 +270,10 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
   for (;; ++state.vertex) {
     SurfaceInteraction hit;
     const bool first = state.vertex == 0;
-    if (!next_hit(state, sampler, hit, rays)) {
+    const std::uint64_t evaluations = hypertexture_cost().evaluations;
+    const bool found = next_hit(state, sampler, hit, rays);
+    if (first) result.steps = static_cast<float>(hypertexture_cost().evaluations - evaluations);
+    if (!found) {
       add_escaped(state, result);
       break;
     }
@@ -283,7 +286,6 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
                                     : hit.geometric_normal;
       result.instance = hit.instance;
       result.material = hit.light == kNoIndex ? hit.material : kNoIndex;
-      result.steps = hit.steps;
       if (hit.component != kNoIndex) result.component = 1.0f + static_cast<float>(hit.component);
     }
     if (hit.light != kNoIndex) {

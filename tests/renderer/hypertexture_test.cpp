@@ -178,7 +178,7 @@ TEST(HypertextureDeterminism, ThreadsAndCropChangeNoPixel) {
   const RenderResult c = render(scene, two);
   const auto all = [](const Pixel& p) {
     return std::tuple(p.color, p.alpha, p.albedo, p.normal, p.variance, p.depth, p.component,
-                      p.samples);
+                      p.samples, p.steps);
   };
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 72; ++x) {
@@ -187,6 +187,34 @@ TEST(HypertextureDeterminism, ThreadsAndCropChangeNoPixel) {
         ASSERT_EQ(all(a.film.at(x, y)), all(c.film.at(x, y))) << x << ", " << y;
       }
     }
+}
+
+// The layer "steps" counts the camera's rays alone, those that miss included.
+TEST(HypertextureSteps, AreThoseOfTheCamerasRays) {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.6f));
+  add_hypertexture(scene, rock(), 0);
+  add_constant_environment(scene, 0.5f);
+  scene.camera.position = V3f(0, 0, 6);
+  set_image(scene, 48, 48, 2, 4);
+  const RenderResult result = render(scene);
+  double sum = 0.0;
+  int hits = 0, corner = 0;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 48; ++x) {
+      const Pixel& p = result.film.at(x, y);
+      sum += static_cast<double>(p.steps) * p.samples;
+      if (p.component != 0.0f) {
+        EXPECT_GT(p.steps, 0.0f) << x << ", " << y;
+        ++hits;
+      }
+      corner += x < 2 && y < 2 && p.steps == 0.0f;
+    }
+  EXPECT_GT(hits, 200);
+  EXPECT_EQ(corner, 4);
+  const RayCost& cost = result.statistics.rays.costs[static_cast<std::size_t>(RayUse::kCamera)];
+  // Means are stored as float.
+  EXPECT_NEAR(sum, static_cast<double>(cost.evaluations), 1e-6 * sum);
 }
 
 TEST(HypertextureComponents, DetachedPiecesHaveTheirOwnMaterialAndNumber) {
