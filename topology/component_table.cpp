@@ -107,21 +107,27 @@ class Labelling {
         visit(piece(pairs_[n].lower, a), piece(pairs_[n].upper, b));
   }
 
-  // The rectangles, and how many there are.
-  std::uint64_t undecided_faces(std::vector<Box>& out, std::size_t at_most) const {
+  // The undecided rectangles between cells that are not joined elsewhere, and how many there are.
+  // Those between joined cells change nothing.
+  std::uint64_t undecided_faces(UnionFind& certain, std::vector<Box>& out,
+                                std::size_t at_most) const {
     std::uint64_t all = 0;
-    const auto add = [&](const Tree& lower, std::uint32_t a, const Tree& upper, std::uint32_t b,
-                         int axis) {
+    const auto add = [&](std::size_t lower_tree, std::uint32_t a, std::size_t upper_tree,
+                         std::uint32_t b, int axis) {
+      const Tree &lower = forest_.trees[lower_tree], &upper = forest_.trees[upper_tree];
+      if (certain.find(piece(lower_tree, lower.nodes[a].component)) ==
+          certain.find(piece(upper_tree, upper.nodes[b].component)))
+        return;
       ++all;
       if (out.size() < at_most)
         out.push_back(shared_rectangle(box_of_leaf(lower, a), box_of_leaf(upper, b), axis));
     };
     for (std::size_t t = 0; t < trees_.size(); ++t)
       for (const auto& [a, b, axis] : trees_[t].undecided_faces)
-        add(forest_.trees[t], a, forest_.trees[t], b, static_cast<int>(axis));
+        add(t, a, t, b, static_cast<int>(axis));
     for (std::size_t n = 0; n < pairs_.size(); ++n)
       for (const auto& [a, b] : between_[n].undecided_faces)
-        add(forest_.trees[pairs_[n].lower], a, forest_.trees[pairs_[n].upper], b, pairs_[n].axis);
+        add(pairs_[n].lower, a, pairs_[n].upper, b, pairs_[n].axis);
     return all;
   }
 
@@ -226,7 +232,7 @@ void label_components(const ScalarField& field, Forest& forest, const Execution&
   topology.components_hi = upper;
   std::vector<Box> faces;
   topology.unresolved_faces =
-      labelling.undecided_faces(faces, kListed - topology.unresolved.size());
+      labelling.undecided_faces(certain, faces, kListed - topology.unresolved.size());
   for (const Box& face : faces) topology.unresolved.push_back({face, field.value(centre(face))});
   topology.certified = topology.unresolved_cells == 0 && topology.unresolved_faces == 0;
 

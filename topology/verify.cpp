@@ -74,8 +74,12 @@ class Verifier {
     // to it, and what it left undecided may part a component's cells.
     const bool by_morse = topology_.engine == to_string(Engine::kMorse);
     const std::uint64_t cells = labels.unresolved_cells.size();
-    const std::uint64_t faces = labels.undecided_faces.size();
-    const bool may_be_parted = by_morse && cells + faces > 0;
+    const bool may_be_parted = by_morse && cells + labels.undecided_faces.size() > 0;
+    // Those between cells of one piece change nothing.
+    const auto faces = static_cast<std::uint64_t>(std::count_if(
+        labels.undecided_faces.begin(), labels.undecided_faces.end(), [&](const auto& face) {
+          return tree.nodes[face[0]].component != tree.nodes[face[1]].component;
+        }));
     std::vector<Component> rows(topology_.components.size());
     // A piece is a component, and the other way about.
     std::vector<std::uint32_t> component(labels.pieces.size(), kNoComponent);
