@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "tools/commands.h"
+#include "tools/network_mesh.h"
 #include "tools/output_file.h"
 #include "topology/cache_file.h"
 #include "topology/morse/export.h"
@@ -14,14 +18,26 @@ namespace {
 
 struct Options {
   std::string file, output;
-  bool vtp = false, csv = false, svg = false;
+  bool vtp = false, csv = false, svg = false, ply = false;
   std::string axis = "z";
   int pixels = 800;
+  std::vector<std::string> parts{"maxima", "saddles", "separatrices"};
+  double radius = 0.0;  // 0: a five-hundredth of the box's side
 };
 
+void write_ply(const Options& options, const topology::MorseComplex& complex, std::ostream& out) {
+  const auto has = [&](const char* part) {
+    return std::find(options.parts.begin(), options.parts.end(), part) != options.parts.end();
+  };
+  const NetworkParts parts{has("maxima"), has("saddles"), has("separatrices")};
+  const Imath::V3d side = complex.box.size();
+  write_network_ply(out, complex, parts,
+                    options.radius > 0.0 ? options.radius : side[complex.box.majorAxis()] / 500.0);
+}
+
 int run(const Options& options) {
-  if (!(options.vtp || options.csv || options.svg))
-    throw UsageError("one of --vtp, --csv and --svg is needed");
+  if (!(options.vtp || options.csv || options.svg || options.ply))
+    throw UsageError("one of --vtp, --csv, --svg and --ply is needed");
   const topology::TopologyCache cache = topology::read_cache(options.file);
   const auto complex =
       topology::get_morse(cache.sections, cache.topology.components.size(), options.file);
@@ -35,6 +51,7 @@ int run(const Options& options) {
   if (options.csv) topology::write_csv(*complex, output.stream());
   if (options.svg)
     topology::write_svg(*complex, output.stream(), options.axis[0] - 'x', options.pixels);
+  if (options.ply) write_ply(options, *complex, output.stream());
   output.commit();
   return kDone;
 }
@@ -51,9 +68,28 @@ void add_cache_export(CLI::App& parent, Session& session) {
       "--vtp", options->vtp, "VTK PolyData: points, separatrices, types, F and component ids");
   CLI::Option* csv =
       command->add_flag("--csv", options->csv, "A table of the critical points")->excludes(vtp);
-  command->add_flag("--svg", options->svg, "A drawing of the separatrices, maxima as dots")
+  CLI::Option* svg =
+      command->add_flag("--svg", options->svg, "A drawing of the separatrices, maxima as dots")
+          ->excludes(vtp)
+          ->excludes(csv);
+  command
+      ->add_flag("--ply", options->ply,
+                 "Triangles that `render` can draw: balls at maxima and saddles, tubes along "
+                 "separatrices")
       ->excludes(vtp)
-      ->excludes(csv);
+      ->excludes(csv)
+      ->excludes(svg);
+  command
+      ->add_option("--parts", options->parts,
+                   "--ply: what to draw, separated by commas: maxima, saddles, separatrices")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"maxima", "saddles", "separatrices"}))
+      ->capture_default_str();
+  command
+      ->add_option("--radius", options->radius,
+                   "--ply: radius of the tubes in object space, the balls' is twice that (default: "
+                   "a five-hundredth of the box)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--axis", options->axis, "--svg: look along this axis")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();

@@ -14,14 +14,6 @@ using Clock = Watcher::Clock;
 // to write, and disks tire.
 constexpr double kShortest = 10.0;
 
-Clock::duration seconds(double s) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
-
-double elapsed(Clock::time_point since) {
-  return std::chrono::duration<double>(Clock::now() - since).count();
-}
-
 }  // namespace
 
 CheckpointWriter::CheckpointWriter(const RenderPlan& plan, nlohmann::json identity,
@@ -43,7 +35,7 @@ double CheckpointWriter::resume() {
 
 void CheckpointWriter::write() {
   render::write_checkpoint(plan_.checkpoint, sums_,
-                           {identity_, earlier_seconds_ + elapsed(start_)});
+                           {identity_, earlier_seconds_ + seconds_since(start_)});
 }
 
 Clock::time_point CheckpointWriter::write_in_between(Clock::time_point now) {
@@ -51,21 +43,21 @@ Clock::time_point CheckpointWriter::write_in_between(Clock::time_point now) {
   try {
     write();
     reporter_.debug(
-        fmt::format("{}: written in {:.2f} s", plan_.checkpoint.string(), elapsed(begin)));
+        fmt::format("{}: written in {:.2f} s", plan_.checkpoint.string(), seconds_since(begin)));
   } catch (const std::exception& e) {
     // Rendering is worth more than the checkpoint; the next one may succeed.
     reporter_.warn(e.what());
   }
-  if (plan_.interval.seconds > 0.0) return now + seconds(plan_.interval.seconds);
-  return Clock::now() +
-         seconds(std::max(kShortest, elapsed(begin) * (1.0 / plan_.interval.share - 1.0)));
+  if (plan_.interval.seconds > 0.0) return now + to_duration(plan_.interval.seconds);
+  return Clock::now() + to_duration(std::max(
+                            kShortest, seconds_since(begin) * (1.0 / plan_.interval.share - 1.0)));
 }
 
 void CheckpointWriter::watch(Watcher& watcher) {
   start_ = Clock::now();
   if (plan_.checkpoint.empty()) return;
   const double first = plan_.interval.seconds > 0.0 ? plan_.interval.seconds : kShortest;
-  watcher.add(start_ + seconds(first),
+  watcher.add(start_ + to_duration(first),
               [this](Clock::time_point now) { return write_in_between(now); });
 }
 

@@ -44,9 +44,8 @@ void Preview::watch(Watcher& watcher) {
   watcher.add(Clock::now(), [this](Clock::time_point) {
     const auto begin = Clock::now();
     show([this] { return sums_.develop(); });
-    const std::chrono::duration<double> taken = Clock::now() - begin;
-    const std::chrono::duration<double> pause(std::max(kInterval, taken.count() / kShare));
-    return Clock::now() + std::chrono::duration_cast<Clock::duration>(pause);
+    const double pause = std::max(kInterval, seconds_since(begin) / kShare);
+    return Clock::now() + to_duration(pause);
   });
 }
 

@@ -26,14 +26,6 @@ using Clock = Watcher::Clock;
 
 constexpr double kSignalInterval = 0.2;
 
-Clock::duration seconds(double s) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
-
-double since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 // One scene's render in all its parts.
 class Job {
  public:
@@ -43,7 +35,7 @@ class Job {
   RenderedScene run(bool with_statistics) {
     auto start = Clock::now();
     loaded_ = load_for_render(plan_, reporter_, cancel_);
-    report_.load_seconds = since(start);
+    report_.load_seconds = seconds_since(start);
     render::FilmSums sums(render::FilmLayout(scene().settings, scene().light_groups.size()),
                           plan_.shard);
     const nlohmann::json identity = identity_of();
@@ -55,7 +47,7 @@ class Job {
     const std::clock_t processor = std::clock();
     render::RenderRun run = trace(sums, checkpoints, preview);
     run.statistics.earlier_seconds = earlier;
-    report_.render_seconds = since(start);
+    report_.render_seconds = seconds_since(start);
     report_.processor_seconds = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
     report_.threads = plan_.threads > 0 ? plan_.threads : oneapi::tbb::info::default_concurrency();
     warn_of(run);
@@ -78,7 +70,7 @@ class Job {
     }
     write_pictures(picture, sums, identity, result.files);
     if (!failure.empty()) throw std::runtime_error("the checkpoint was not written");
-    report_.write_seconds = since(start);
+    report_.write_seconds = seconds_since(start);
     if (with_statistics) result.statistics = statistics_json(report_, plan_, loaded_, picture);
     return result;
   }
@@ -104,7 +96,7 @@ class Job {
     preview.watch(watcher);
     watcher.add(Clock::now(), [&](Clock::time_point now) {
       if (take_picture_request()) write_partial(sums);
-      return now + seconds(kSignalInterval);
+      return now + to_duration(kSignalInterval);
     });
     watcher.start();
     render::RenderRun run = render::render_into(sums, scene(), options);

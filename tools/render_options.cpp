@@ -247,13 +247,19 @@ void add_render_flags(CLI::App& command, RenderFlags& flags) {
   command.add_option("--preview", flags.preview,
                      "Where to show the picture while it is rendered: a PNG file that is kept up "
                      "to date, or the viewer tev (tev, tev:HOST, tev:HOST:PORT)");
-  command.add_option("--keep", flags.keep,
-                     "Pieces of the hypertextures to keep: main, largest:K, volume:V, "
-                     "touching:X,Y,Z, all, detached, ids:I,J,...");
-  command.add_option("--solver", flags.solver,
-                     "How rays find hypertextures: model (fastest), segment, sphere (the paper's)");
-  command.add_option("--membership", flags.membership,
-                     "How detached pieces are told: labels, streamline (the paper's), off");
+  command
+      .add_option("--keep", flags.keep,
+                  "Pieces of the hypertextures to keep: main, largest:K, volume:V, "
+                  "touching:X,Y,Z, all, detached, ids:I,J,...")
+      ->type_name("TEXT:{main,largest:,volume:,touching:,all,detached,ids:}");
+  command
+      .add_option("--solver", flags.solver,
+                  "How rays find hypertextures: model (fastest), segment, sphere (the paper's)")
+      ->type_name("TEXT:{model,segment,sphere}");
+  command
+      .add_option("--membership", flags.membership,
+                  "How detached pieces are told: labels, streamline (the paper's), off")
+      ->type_name("TEXT:{labels,streamline,off}");
   command.add_option("--cache", flags.cache,
                      "Topology cache of the scene's only hypertexture; built if missing");
   command.add_flag("--denoise", flags.denoise,

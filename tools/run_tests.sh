@@ -35,6 +35,7 @@ source tools/lib/steps.sh
 source tools/lib/packages.sh
 source tools/lib/build.sh
 
+MORSEL_PACKAGES+=("${MORSEL_TEST_PACKAGES[@]}")
 if [[ $packages == yes ]]; then install_packages; fi
 configure_and_build
 for preset in "${presets[@]}"; do

@@ -42,4 +42,13 @@ class Watcher {
   std::thread thread_;
 };
 
+// Between a clock's durations and seconds.
+inline Watcher::Clock::duration to_duration(double seconds) {
+  return std::chrono::duration_cast<Watcher::Clock::duration>(
+      std::chrono::duration<double>(seconds));
+}
+inline double seconds_since(Watcher::Clock::time_point start) {
+  return std::chrono::duration<double>(Watcher::Clock::now() - start).count();
+}
+
 }  // namespace morsel::tools

@@ -96,12 +96,38 @@ GeometryEntry find_hypertexture(const SceneDocument& document, const std::string
                          params::join(names)));
 }
 
+namespace {
+
+// A file named at `place` that Morsel may write: relative to the scene's folder and within it, so
+// that a scene from elsewhere cannot write anywhere. A name that an override set may be anything,
+// since it is the user's.
+std::filesystem::path resolve_for_writing(const SceneDocument& document, const std::string& name,
+                                          const Place& place) {
+  const std::filesystem::path path(name);
+  // By the names alone: what a link in the scene's folder points to was put there by its owner.
+  const std::filesystem::path normal = path.lexically_normal();
+  const bool leaves = path.is_absolute() || (!normal.empty() && *normal.begin() == "..");
+  const std::string message = fmt::format(
+      "\"{}\" is outside of the scene's folder, where scenes cannot write; a file in it or below, "
+      "or any file by a flag (--cache, --set)",
+      name);
+  const std::string whole = fmt::format("{}: {}: {}", place.file, place.path, message);
+  const bool by_the_user = document.with_override(whole) != whole;
+  if (leaves && !by_the_user) place.fail(message);
+  return document.resolve(name);
+}
+
+}  // namespace
+
 geom::Hypertexture read_hypertexture(const SceneDocument& document, const GeometryEntry& entry) {
   return document.explain([&] {
     geom::Hypertexture hypertexture = geom::hypertexture_from_json(
         document.root()["geometries"][entry.index], document.place() / "geometries" / entry.index);
     if (!hypertexture.cache.empty())
-      hypertexture.cache = document.resolve(hypertexture.cache).string();
+      hypertexture.cache =
+          resolve_for_writing(document, hypertexture.cache,
+                              document.place() / "geometries" / entry.index / "cache")
+              .string();
     return hypertexture;
   });
 }

@@ -50,6 +50,35 @@ TEST_F(CacheStoreTest, NamesOfGeometriesCannotLeaveTheFolder) {
   EXPECT_EQ(cache_file_of(from, h).filename().string().substr(0, 7), "___a_b-");
 }
 
+// A scene from elsewhere writes in its own folder alone; what the user sets is the user's.
+TEST_F(CacheStoreTest, ScenesCannotWriteOutsideOfTheirFolder) {
+  const auto cache_of = [&](const std::string& name, const std::vector<std::string>& set) {
+    nlohmann::json scene = nlohmann::json::parse(test::kSmallScene);
+    for (nlohmann::json& g : scene["geometries"])
+      if (g["name"] == "rock") g["cache"] = name;
+    std::vector<Override> overrides;
+    for (const std::string& text : set) overrides.push_back(parse_override(text));
+    const SceneDocument from(folder_.write("sub/scene.json", scene.dump()), overrides);
+    return cache_file_of(from, rock(from));
+  };
+  for (const char* name : {"../my.topo", "a/../../my.topo", "/tmp/my.topo", "./../my.topo", ".."}) {
+    try {
+      cache_of(name, {});
+      ADD_FAILURE() << name << " is taken";
+    } catch (const params::InputError& e) {
+      const std::string what = e.what();
+      EXPECT_NE(what.find("/cache: "), std::string::npos) << what;
+      EXPECT_NE(what.find(std::string("\"") + name + "\""), std::string::npos) << what;
+    }
+  }
+  for (const char* name : {"my.topo", "a/my.topo", "a/../my.topo", "..my.topo"})
+    EXPECT_EQ(cache_of(name, {}), folder_ / "sub" / name);
+  EXPECT_EQ(cache_of("my.topo", {"geometries.rock.cache=../my.topo"}), folder_ / "sub/../my.topo");
+  EXPECT_EQ(cache_of("../x", {"geometries.rock.cache=/tmp/my.topo"}), "/tmp/my.topo");
+  // An override of something else does not make it the user's.
+  EXPECT_THROW(cache_of("../my.topo", {"geometries.rock.keep=all"}), params::InputError);
+}
+
 TEST_F(CacheStoreTest, BuildsThenReads) {
   const StoredCache built = get();
   EXPECT_TRUE(built.built);

@@ -17,7 +17,8 @@ cmake --install "$build" --prefix "$folder" >"$folder/log" || { cat "$folder/log
 left=$(find "$folder" -name '*.topo' -o -name '*.tmp')
 [[ -z $left ]] || fail "caches or temporary files are installed: $left"
 
-for file in share/man/man1/morsel.1 share/bash-completion/completions/morsel; do
+for file in share/man/man1/morsel.1 share/bash-completion/completions/morsel \
+  share/zsh/vendor-completions/_morsel share/fish/vendor_completions.d/morsel.fish; do
   [[ -s $folder/$file ]] || fail "$file is not installed"
 done
 

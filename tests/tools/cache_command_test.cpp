@@ -297,6 +297,23 @@ TEST_F(CacheCommandTest, ExportsCriticalPoints) {
   EXPECT_NE(text(vtp).find(fmt::format("NumberOfLines=\"{}\"", 2 * types["2-saddle"])),
             std::string::npos);
   EXPECT_NE(text(svg).find("</svg>"), std::string::npos);
+
+  // Balls of 6 rings of 12 and two poles; tubes only where there are separatrices.
+  const auto vertices = [&](const std::string& parts) {
+    const std::string ply = (folder_ / "a.ply").string();
+    EXPECT_EQ(run_morsel({"cache", "export", cache_, "--ply", "--parts", parts, "-o", ply}).code,
+              0);
+    const std::string content = text(ply), key = "element vertex ";
+    return std::stoi(content.substr(content.find(key) + key.size()));
+  };
+  const int maxima = vertices("maxima"), saddles = vertices("saddles");
+  EXPECT_EQ(maxima, 74 * types["maximum"]);
+  EXPECT_EQ(saddles, 74 * types["2-saddle"]);
+  const int tubes = vertices("separatrices");
+  EXPECT_GE(tubes, 2 * 16 * types["2-saddle"]);
+  EXPECT_EQ(vertices("maxima,saddles,separatrices"), maxima + saddles + tubes);
+  EXPECT_EQ(run_morsel({"cache", "export", cache_, "--ply", "--parts", "ridges", "-o", csv}).code,
+            2);
 }
 
 TEST_F(CacheCommandTest, ComparesMethods) {

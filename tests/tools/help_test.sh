@@ -49,4 +49,39 @@ offers "morsel cache info --j" --json
 offers "morsel render x.json --check" --checkpoint
 offers "morsel render x.json --progress p" plain
 offers "morsel render x.json --solver s" sphere
+offers "morsel render x.json --keep ma" main
+
+# The same of the other shells, where they are installed (Debian: zsh, fish).
+# answers SHELL "WORDS SO FAR" WORD: the completion of that shell offers WORD.
+answers() {
+  local offered
+  if [[ $1 == zsh ]]; then
+    # compadd notes what it is given instead of showing it, which needs a terminal.
+    offered=$(zsh -f -c '
+      compdef() { :; }
+      source "$1/tools/completion/_morsel"
+      compadd() { [[ $1 == -- ]] && shift; print -l -- "$@"; }
+      _files() { print FILES; }
+      words=("${(@s: :)2}") CURRENT=${#words}
+      words[1]=$3
+      _morsel' zsh "$source" "$2" "$morsel") || true
+  else
+    offered=$(fish --no-config -c 'source $argv[1]/tools/completion/morsel.fish
+      complete -C $argv[2]' "$source" "${2/#morsel/morsel}" | cut -f 1) || true
+  fi
+  grep -qxF -- "$3" <<<"$offered" || fault "$1: '$2' does not offer $3 but: ${offered//$'\n'/ }"
+}
+for shell in zsh fish; do
+  command -v "$shell" >/dev/null || { echo "$shell is not installed"; continue; }
+  # fish asks the morsel that it finds.
+  PATH=$(dirname "$morsel"):$PATH
+  answers "$shell" "morsel re" render
+  answers "$shell" "morsel " bench
+  answers "$shell" "morsel cache " verify
+  answers "$shell" "morsel scene n" new
+  answers "$shell" "morsel cache info --j" --json
+  answers "$shell" "morsel render x.json --check" --checkpoint
+  answers "$shell" "morsel render x.json --progress p" plain
+  answers "$shell" "morsel render x.json --solver s" sphere
+done
 [[ $faults -eq 0 ]]

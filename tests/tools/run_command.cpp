@@ -44,7 +44,21 @@ CommandResult run_morsel(const std::vector<std::string>& arguments, const Comman
   files.write("in", options.input);
   files.write("out", "");
   files.write("err", "");
-  std::vector<std::string> words{MORSEL_EXECUTABLE};
+  std::filesystem::path program = MORSEL_EXECUTABLE;
+  const TemporaryFolder programs;
+  if (options.unprivileged) {
+    // The build tree may be closed to other users: they get copies.
+    using std::filesystem::perms;
+    const perms open = perms::owner_all | perms::group_read | perms::group_exec |
+                       perms::others_read | perms::others_exec;
+    std::filesystem::permissions(programs.path(), open);
+    for (const char* name : {"morsel", "morsel-render"}) {
+      std::filesystem::copy_file(program.parent_path() / name, programs / name);
+      std::filesystem::permissions(programs / name, open);
+    }
+    program = programs / "morsel";
+  }
+  std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

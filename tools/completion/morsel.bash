@@ -31,9 +31,6 @@ _morsel() {
   elif [[ $before == --* ]]; then
     # Choices stand in braces: --progress TEXT:{auto,bar,...}
     words=$(grep -oE -- "$before [A-Z]+:\{[^}]*\}" <<<"$help" | head -n 1 | sed 's/.*{//; s/}//; s/,/ /g') || true
-    [[ $before == --solver ]] && words="model segment sphere"
-    [[ $before == --membership ]] && words="labels streamline off"
-    [[ $before == --keep ]] && words="main largest: volume: touching: all detached ids:"
   elif ((${#path[@]} == COMP_CWORD - 1)); then
     words=$(sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z]*\) .*/\1/p' <<<"$help")
   fi

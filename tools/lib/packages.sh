@@ -15,6 +15,9 @@ MORSEL_PACKAGES=(
   libgtest-dev
 )
 
+# What some tests look at Morsel's files with; they are skipped where it is missing.
+MORSEL_TEST_PACKAGES=(python3-jsonschema zsh fish)
+
 # Prints those of the given packages that are not installed, one a line.
 missing_packages() {
   local package
