@@ -49,15 +49,15 @@ region_of, regions = {}, []
 for start in sorted(inside):
     if start in region_of:
         continue
-    region, todo = [], [start]
+    region, frontier = [], [start]
     region_of[start] = len(regions)
-    while todo:
-        v = todo.pop()
+    while frontier:
+        v = frontier.pop()
         region.append(v)
         for _, _, w in faces(v):
             if w in inside and w not in region_of:
                 region_of[w] = len(regions)
-                todo.append(w)
+                frontier.append(w)
     regions.append(region)
 
 # The components whose maxima lie in each region; and where those maxima are.
