@@ -3,7 +3,11 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <latch>
+#include <thread>
+#include <vector>
 
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/accel/scene_accel.h"
@@ -80,6 +84,39 @@ TEST_F(TextureTest, FootprintsAverageLight) {
   EXPECT_GT(std::abs(at(store_, image, texel(40), texel(40)).x -
                      at(store_, image, texel(41), texel(40)).x),
             0.5f);
+}
+
+// The first look-ups decode the image and make its levels, whichever threads they come from.
+TEST_F(TextureTest, IsReadByManyThreadsAtOnce) {
+  const std::string file = write_image(folder_, "noise.png", 512, 512, [](int x, int y) {
+    return Imath::V3i((x * 7 + y * 13) % 256, (x * y) % 256, (x * x + y) % 256);
+  });
+  constexpr int kThreads = 8, kLookups = 64;
+  const auto lookup = [](const TextureStore& store, std::uint32_t image, int i) {
+    const float u = static_cast<float>(i * 29 % 64) / 64.0f, v = static_cast<float>(i) / 64.0f;
+    return at(store, image, u, v, std::exp2(-static_cast<float>(i % 9)));
+  };
+  const std::uint32_t alone = store_.add(image_of(file));
+  for (int round = 0; round < 20; ++round) {
+    TextureStore store(64);
+    const std::uint32_t image = store.add(image_of(file));
+    std::vector<V3f> found(std::size_t{kThreads} * kLookups);
+    std::latch start(kThreads);
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < kThreads; ++t)
+      threads.emplace_back([&, t] {
+        start.arrive_and_wait();
+        for (int i = 0; i < kLookups; ++i)
+          found[static_cast<std::size_t>(t * kLookups + i)] =
+              lookup(store, image, (i + t * 5) % kLookups);
+      });
+    threads.clear();
+    for (int t = 0; t < kThreads; ++t)
+      for (int i = 0; i < kLookups; ++i)
+        ASSERT_EQ(found[static_cast<std::size_t>(t * kLookups + i)],
+                  lookup(store_, alone, (i + t * 5) % kLookups))
+            << "round " << round << ", thread " << t << ", " << i;
+  }
 }
 
 TEST_F(TextureTest, UdimTilesAreFoundByTheirNumbers) {
