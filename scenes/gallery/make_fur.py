@@ -69,7 +69,7 @@ scene = {
     ],
     "geometries": [
         {
-            "name": "tuft", "type": "hypertexture", "max_depth": 16,
+            "name": "tuft", "type": "hypertexture",
             "field": {
                 "density": {"type": "ellipsoid", "radii": [5.5, 1.2, 5.5]},
                 "modulations": [
