@@ -343,6 +343,29 @@ TEST_F(TextureTest, RayConesChooseTheMipLevel) {
     for (int x = 4; x < 28; ++x) EXPECT_NEAR(film.at(x, y).albedo.x, 0.5f, 0.06f);
 }
 
+TEST_F(TextureTest, ThreadsChangeNoTexturedPixel) {
+  Scene scene = square_scene();
+  ImageTexture image = image_of(write_image(folder_, "spots.png", 300, 200, [](int x, int y) {
+    return Imath::V3i(x * y % 256, x % 256, y * 7 % 256);
+  }));
+  image.scale = V2f(3.0f, 2.0f);
+  scene.textures.push_back({"spots", image, TextureChannel::kLuminance});
+  scene.materials[0].texture(MaterialInput::kColor) = 0;
+  scene.settings.spp = 4;
+  RenderOptions one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const Film expected = render(scene, one).film;
+  for (int round = 0; round < 5; ++round) {
+    const Film film = render(scene, two).film;
+    for (int y = 0; y < scene.settings.height; ++y)
+      for (int x = 0; x < scene.settings.width; ++x) {
+        ASSERT_EQ(film.at(x, y).color, expected.at(x, y).color) << x << ", " << y;
+        ASSERT_EQ(film.at(x, y).albedo, expected.at(x, y).albedo) << x << ", " << y;
+      }
+  }
+}
+
 TEST_F(TextureTest, NormalMapsLean) {
   Scene scene = square_scene();
   // Leans to +u, which is +x, by 45 degrees; and to +v, which is -z.
