@@ -27,7 +27,7 @@ const std::array<float, 256>& srgb_bytes() {
   return table;
 }
 
-constexpr int kTile = 64;
+constexpr int kTile = kLinearImageTile;
 
 struct Level {
   int width = 0, height = 0;

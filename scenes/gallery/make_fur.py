@@ -51,25 +51,25 @@ def tuft(i):
 scene = {
     "morsel": 1,
     "description": "A ball of fur: one tuft of fine noise, drawn out to hairs, in instances all over a sphere.",
-    "camera": {"position": [0, 0.55, 5.6], "look_at": [0, -0.03, 0], "vertical_fov": 31},
+    "camera": {"position": [0, 0.6, 6.3], "look_at": [0, 0.02, 0], "vertical_fov": 31},
     "render": {"resolution": [720, 720], "spp": 96, "max_depth": 5, "filter": "blackman_harris", "exposure": 0.5},
     "textures": [
         {
             "name": "strands", "type": "ramp", "input": "density", "low": -0.75, "high": 0.55,
-            "stops": [[0, [0.95, 0.8, 0.56]], [0.45, [0.62, 0.36, 0.16]], [1, [0.14, 0.06, 0.03]]],
+            "stops": [[0, [0.7, 0.46, 0.24]], [0.5, [0.4, 0.19, 0.08]], [1, [0.07, 0.03, 0.015]]],
         }
     ],
     "materials": [
         {
             "name": "fur", "type": "principled", "color": [1, 1, 1], "color_texture": "strands", "roughness": 0.45,
-            "sheen_color": [0.45, 0.38, 0.3], "sheen_roughness": 0.4,
+            "sheen_color": [0.3, 0.24, 0.18], "sheen_roughness": 0.4,
         },
         {"name": "skin", "type": "diffuse", "color": [0.09, 0.05, 0.03]},
         {"name": "ground", "type": "diffuse", "color": [0.32, 0.33, 0.36]},
     ],
     "geometries": [
         {
-            "name": "tuft", "type": "hypertexture", "max_depth": 16,
+            "name": "tuft", "type": "hypertexture",
             "field": {
                 "density": {"type": "ellipsoid", "radii": [5.5, 1.2, 5.5]},
                 "modulations": [
