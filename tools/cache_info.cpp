@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "tools/commands.h"
 #include "topology/cache_file.h"
@@ -12,7 +14,7 @@ namespace morsel::tools {
 namespace {
 
 struct Options {
-  std::string file;
+  std::vector<std::string> files;
   std::string keep = "main";
   bool json = false;
   std::size_t components = 20;
@@ -62,17 +64,29 @@ void print_table(const topology::Topology& t, const std::vector<bool>& kept, std
                              t.components.size() - rows);
 }
 
+void print_text(const topology::TopologyCache& cache, const topology::KeepRule& keep,
+                const nlohmann::json& description, std::size_t rows) {
+  print_flat(description, "");
+  const topology::Topology& t = cache.topology;
+  print_table(t, topology::kept_components(keep, t.components, t.octree()), rows);
+}
+
+// Several files are what `rock-*.topo` is once a field has changed.
 int run(const Options& options) {
   const topology::KeepRule keep = parse_keep(options.keep);
-  const topology::TopologyCache cache = topology::read_cache(options.file);
-  const nlohmann::json description = topology::describe(cache, keep);
-  if (options.json) {
-    std::cout << description.dump(2) << '\n';
-  } else {
-    print_flat(description, "");
-    const topology::Topology& t = cache.topology;
-    print_table(t, topology::kept_components(keep, t.components, t.octree()), options.components);
+  const bool several = options.files.size() > 1;
+  nlohmann::json all = nlohmann::json::array();
+  for (std::size_t i = 0; i < options.files.size(); ++i) {
+    const topology::TopologyCache cache = topology::read_cache(options.files[i]);
+    nlohmann::json description = topology::describe(cache, keep);
+    if (several) description["file"] = options.files[i];
+    if (!options.json) {
+      if (several) std::cout << fmt::format("{}{}:\n", i > 0 ? "\n" : "", options.files[i]);
+      print_text(cache, keep, description, options.components);
+    }
+    all.push_back(std::move(description));
   }
+  if (options.json) std::cout << (several ? all : all[0]).dump(2) << '\n';
   return kDone;
 }
 
@@ -81,8 +95,10 @@ int run(const Options& options) {
 void add_cache_info(CLI::App& parent, Session& session) {
   auto options = std::make_shared<Options>();
   CLI::App* command = parent.add_subcommand("info", "Describe a topology cache");
-  command->add_option("FILE", options->file, "Topology cache (.topo)")->required();
-  command->add_flag("--json", options->json, "Print one JSON document");
+  command
+      ->add_option("FILE", options->files, "Topology cache (.topo); several are described in turn")
+      ->required();
+  command->add_flag("--json", options->json, "Print one JSON document; an array for several files");
   command
       ->add_option("--components", options->components,
                    "How many components to list, largest volume first")

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Imath/ImathBox.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "renderer/mesh/mesh_file.h"
 #include "tools/commands.h"
 #include "tools/output_file.h"
 
@@ -71,17 +74,43 @@ constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this on
   ],
 
   "lights": [
-    {{ "type": "sky", "sun_elevation": 35, "sun_azimuth": 50, "turbidity": 3, "radiance": 0.06 }}
+    {{ "type": "sky", "sun_elevation": 35, "sun_azimuth": 50, "turbidity": 3, "radiance": 0.3 }}
   ]
 }}
 )";
 
 constexpr const char* kMesh = R"(
-    // A mesh of yours: .obj, .ply, .stl, .gltf or .glb, relative to this file.
-    {{ "name": "mesh", "type": "mesh", "file": {} }},)";
+    // A mesh of yours: .obj, .ply, .stl, .gltf or .glb, relative to this file. It is {1}.
+    {{ "name": "mesh", "type": "mesh", "file": {0} }},)";
 
 constexpr const char* kMeshInstance = R"(
-    {{ "geometry": "mesh", "material": "stone", "scale": [1, 1, 1], "translate": [2, 0, 0] }},)";
+    {{ "geometry": "mesh", "material": "stone", "scale": {}, "translate": [{}, {}, {}] }},)";
+
+// Where a mesh of any size stands on the floor, to the right of the rock and before it.
+constexpr float kMeshSize = 1.2F;
+const Imath::V3f kMeshPlace(1.4F, 0, 1.2F);
+
+struct MeshText {
+  std::string geometry, instance;
+};
+
+MeshText describe_mesh(const std::string& name, const fs::path& file) {
+  Imath::Box3f box;
+  try {
+    for (const Imath::V3f& p : render::load_mesh(file).positions) box.extendBy(p);
+  } catch (const render::MeshError& e) {
+    throw UsageError(fmt::format("--mesh {}", e.what()));
+  }
+  const Imath::V3f size = box.size();
+  const float longest = std::max({size.x, size.y, size.z});
+  const float scale = longest > 0 ? kMeshSize / longest : 1;
+  const Imath::V3f middle = box.center();
+  const Imath::V3f move = kMeshPlace - scale * Imath::V3f(middle.x, box.min.y, middle.z);
+  const std::string extent = fmt::format("{:.4g} x {:.4g} x {:.4g} large", size.x, size.y, size.z);
+  return {fmt::format(kMesh, nlohmann::json(name).dump(), extent),
+          fmt::format(kMeshInstance, fmt::format("{:.4g}", scale), fmt::format("{:.4g}", move.x),
+                      fmt::format("{:.4g}", move.y), fmt::format("{:.4g}", move.z))};
+}
 
 struct Options {
   std::string file, mesh;
@@ -93,15 +122,13 @@ int run(const Options& options) {
   std::error_code error;
   if (fs::exists(file, error) && !options.force)
     throw UsageError(fmt::format("{}: is there already; --force replaces it", file.string()));
-  std::string geometry, instance;
+  MeshText mesh;
   if (!options.mesh.empty()) {
     const fs::path folder = fs::absolute(file).parent_path();
-    const fs::path mesh = fs::proximate(fs::absolute(options.mesh), folder);
-    geometry = fmt::format(kMesh, nlohmann::json(mesh.string()).dump());
-    instance = fmt::format(kMeshInstance);
+    mesh = describe_mesh(fs::proximate(fs::absolute(options.mesh), folder).string(), options.mesh);
   }
   OutputFile out(file);
-  out.stream() << fmt::format(kStarter, geometry, instance);
+  out.stream() << fmt::format(kStarter, mesh.geometry, mesh.instance);
   out.commit();
   std::cout << file.string() << '\n';
   return kDone;
@@ -114,7 +141,8 @@ void add_scene_new(CLI::App& parent, Session& session) {
   CLI::App* command =
       parent.add_subcommand("new", "Write a scene to begin with, with comments that explain it");
   command->add_option("FILE", options->file, "Scene file to write")->required();
-  command->add_option("--mesh", options->mesh, "A mesh of yours that it shows too");
+  command->add_option("--mesh", options->mesh,
+                      "A mesh of yours that it shows too, scaled to stand beside the rock");
   command->add_flag("--force", options->force, "Replace the file if it is there");
   command->callback([options, &session] { session.run = [options] { return run(*options); }; });
 }

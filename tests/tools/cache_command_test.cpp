@@ -92,6 +92,12 @@ TEST_F(CacheCommandTest, InfoHasTheKeysThatOthersRelyOn) {
   EXPECT_EQ(all["kept"], components);
   const CommandResult text = run_morsel({"cache", "info", cache_});
   EXPECT_NE(text.out.find("octree.leaves"), std::string::npos) << text.out;
+
+  // What a pattern such as rock-*.topo gives once a field has changed.
+  const json two = json::parse(run_morsel({"cache", "info", cache_, cache_, "--json"}).out);
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[1]["file"], cache_);
+  EXPECT_EQ(two[1]["components"], components);
 }
 
 TEST_F(CacheCommandTest, ASurfaceThatIsCutIsAWarningWithThePlace) {

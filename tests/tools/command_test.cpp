@@ -37,6 +37,14 @@ TEST(Command, HelpListsEverySubcommand) {
     EXPECT_NE(result.out.find(std::string("\n  ") + name), std::string::npos) << result.out;
 }
 
+TEST(Command, AnUnknownCommandIsNamedWithTheChoices) {
+  const CommandResult result = run_morsel({"rendr", "x.json"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("rendr: unknown command, did you mean \"render\"?; commands: "),
+            std::string::npos)
+      << result.err;
+}
+
 TEST(Command, WrongUsageExitsWith2AndSaysSoOnStderr) {
   for (const std::vector<std::string>& arguments :
        std::vector<std::vector<std::string>>{{},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "command_scene.h"
@@ -34,6 +35,23 @@ TEST(SceneNew, WritesASceneThatIsValidAndRenders) {
                   "geometries.rock.field.modulations.0.layers=1", "-o", "a.exr"},
                  here);
   EXPECT_EQ(rendered.code, 0) << rendered.err;
+}
+
+TEST(SceneNew, AMeshOfAnySizeStandsBesideTheRock) {
+  const TemporaryFolder folder;
+  folder.write("big.obj", "v 0 500 0\nv 1200 500 0\nv 0 800 0\nf 1 2 3\n");
+  const CommandOptions here{.folder = folder.path()};
+  ASSERT_EQ(run_morsel({"scene", "new", "a.json", "--mesh", "big.obj"}, here).code, 0);
+  const json scene = json::parse(read_text(folder / "a.json"), nullptr, true, true);
+  const json& instance = scene["instances"][1];
+  EXPECT_EQ(instance["geometry"], "mesh");
+  EXPECT_NEAR(instance["scale"].get<double>(), 0.001, 1e-6);
+  EXPECT_NEAR(instance["translate"][1].get<double>(), -0.5, 1e-3);  // its lowest point on the floor
+
+  const CommandResult missing = run_morsel({"scene", "new", "b.json", "--mesh", "no.obj"}, here);
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_NE(missing.err.find("--mesh no.obj: no such file"), std::string::npos) << missing.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "b.json"));
 }
 
 TEST(SceneCheck, ReportsEveryProblem) {
