@@ -91,6 +91,7 @@ class Job {
     options.cancel = &cancel_;
     options.progress = [&](double fraction) { reporter_.progress(fraction, "rendering"); };
     options.time_limit = plan_.time_limit;
+    options.stop_at_non_finite = plan_.stop_at_nan;
     Watcher watcher;
     checkpoints.watch(watcher);
     preview.watch(watcher);
@@ -146,6 +147,8 @@ class Job {
     if (run.statistics.non_finite_samples > 0)
       reporter_.warn(fmt::format("{} of {} samples were not finite and count as black",
                                  run.statistics.non_finite_samples, run.statistics.samples));
+    for (const render::NonFinitePlace& place : run.statistics.non_finite_places)
+      reporter_.warn(fmt::format("not finite: {}", place.text()));
     if (const std::uint64_t limits = step_limits(scene()); limits > 0)
       reporter_.warn(fmt::format(
           "{} ray tests ended at the limit of field evaluations: hits may be missing", limits));

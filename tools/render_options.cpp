@@ -205,6 +205,7 @@ std::vector<RenderPlan> plan_renders(const RenderFlags& flags) {
     plan.interval = interval;
     plan.resume = flags.resume;
     plan.time_limit = time_limit;
+    plan.stop_at_nan = flags.stop_at_nan;
     plan.threads = flags.threads;
     for (const fs::path& file : {plan.exr, plan.png, plan.checkpoint, plan.preview})
       if (!file.empty()) topology::require_replaceable(file);
@@ -267,6 +268,8 @@ void add_render_flags(CLI::App& command, RenderFlags& flags) {
   command.add_option("--stats", flags.stats, "What it took: text, json or json:FILE");
   command.add_option("--debug-pixel", flags.debug_pixel,
                      "Print every sample of the pixel x,y with its rays, and render nothing");
+  command.add_flag("--stop-at-nan", flags.stop_at_nan,
+                   "Fail at the first sample that is not finite, and say where; for debugging");
   command.add_flag("--check", flags.check, "Only check the scene, as `scene check` does");
   add_threads_option(command, flags.threads);
   add_reporting_options(command, flags.reporting);

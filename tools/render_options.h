@@ -25,7 +25,7 @@ struct RenderFlags {
   int threads = 0;
   std::string resolution, crop, keep, solver, membership, cache, stats;
   std::string time_limit, checkpoint, checkpoint_interval = "2%", shard, preview, debug_pixel;
-  bool resume = false, denoise = false, check = false;
+  bool resume = false, denoise = false, check = false, stop_at_nan = false;
 };
 void add_render_flags(CLI::App& command, RenderFlags& flags);
 
@@ -58,6 +58,7 @@ struct RenderPlan {
   bool resume = false;
   std::optional<double> time_limit;  // seconds
   int threads = 0;
+  bool stop_at_nan = false;
 };
 
 // One plan a scene. Throws UsageError and params::InputError, and std::runtime_error when a file

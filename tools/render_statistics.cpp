@@ -43,6 +43,14 @@ double per_second(std::uint64_t count, double seconds) {
   return seconds > 0 ? static_cast<double>(count) / seconds : 0.0;
 }
 
+json places_json(const std::vector<render::NonFinitePlace>& places) {
+  json list = json::array();
+  for (const render::NonFinitePlace& p : places)
+    list.push_back(
+        {{"pixel", {p.x, p.y}}, {"half", p.half}, {"sample", p.sample}, {"bounce", p.bounce}});
+  return list;
+}
+
 json cost_json(const render::RayCost& cost) {
   std::uint64_t rays = 0;
   std::size_t bins = 0;
@@ -147,6 +155,7 @@ json statistics_json(const RenderReport& report, const RenderPlan& plan,
           {"samples",
            {{"total", s.samples},
             {"non_finite", s.non_finite_samples},
+            {"non_finite_places", places_json(s.non_finite_places)},
             {"firefly_pixels", s.firefly_pixels},
             {"brightest", s.brightest_sample},
             {"per_second", per_second(s.samples - s.earlier_samples, trace)}}},

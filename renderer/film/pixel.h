@@ -19,7 +19,11 @@ struct GroupColors : std::array<V3f, kMaxLightGroups> {
 
 // What one path brings to its pixel.
 struct PathSample {
+  static constexpr std::uint32_t kAllFinite = 0xffffffffu;
+
   V3f radiance{0.0f};
+  // Where `radiance` stopped being finite: the number of bounces before it, or kAllFinite.
+  std::uint32_t non_finite_bounce = kAllFinite;
   GroupColors groups;  // the part of `radiance` of each light group
   float alpha = 0.0f;  // 1: something is there, 0: not
   V3f albedo{0.0f};    // of the first vertex that is not a mirror or clear glass, in [0, 1]

@@ -97,11 +97,19 @@ float PathTracer::mis_weight(float this_pdf, float other_pdf, bool light_sample)
   return 1.0f / (1.0f + ratio * ratio);
 }
 
-// Light that reaches the camera, `indirect` if it bounced more than once.
-void PathTracer::add_light(V3f light, std::uint32_t light_group, bool indirect,
+// The first is what the others follow from. The radiance shows it, whatever is added to it later.
+void PathTracer::mark_non_finite(int bounces, PathSample& sample) {
+  if (sample.non_finite_bounce != PathSample::kAllFinite) return;
+  sample.non_finite_bounce = static_cast<std::uint32_t>(bounces);
+  sample.radiance = V3f(std::numeric_limits<float>::quiet_NaN());
+}
+
+// Light that left the scene's surface or the sky `bounces` bounces before the camera.
+void PathTracer::add_light(V3f light, std::uint32_t light_group, int bounces,
                            PathSample& sample) const {
+  if (!is_finite(light)) mark_non_finite(bounces, sample);
   const float limit = scene_.settings.indirect_clamp;
-  if (indirect && limit > 0.0f) {
+  if (bounces > 1 && limit > 0.0f) {
     const float brightest = max_component(light);
     if (brightest > limit) light *= limit / brightest;
   }
@@ -118,10 +126,10 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
                                      ? Environment::Arriving{lights_.infinite_radiance(i, wi), 0.0f}
                                      : lights_.infinite_arriving(group, i, state.previous_p, wi);
     if (state.vertex == 0 && i == 0) sample.alpha = 1.0f;
-    if (!(max_component(radiance) > 0.0f)) continue;
+    if (is_black(radiance)) continue;
     const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
-    add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i),
-              state.vertex > 1, sample);
+    add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i), state.vertex,
+              sample);
   }
 }
 
@@ -135,7 +143,7 @@ void PathTracer::add_emitted(State& state, const SurfaceInteraction& hit, const 
                         lights_.local_pdf(state.group(LightGroup::kLocal), light, state.previous_p,
                                           state.ray.direction, state.travelled + hit.t),
                         false);
-  add_light(state.throughput * radiance * weight, light_group, state.vertex > 1, sample);
+  add_light(state.throughput * radiance * weight, light_group, state.vertex, sample);
 }
 
 // A light of LightSet is the end of the path.
@@ -148,7 +156,7 @@ void PathTracer::add_light_hit(State& state, const SurfaceInteraction& hit,
     sample.albedo = state.feature_tint * clamped_to_one(radiance);
     sample.normal = facing ? hit.geometric_normal : -hit.geometric_normal;
   }
-  if (max_component(radiance) > 0.0f)
+  if (!is_black(radiance))
     add_emitted(state, hit, radiance, hit.light, lights_.local_light_group(hit.light), sample);
 }
 
@@ -211,9 +219,9 @@ void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceI
   const auto light =
       lights_.sample(group, hit.p, sampler.get_1d(dimension(state.vertex, kLightChoice)),
                      sampler.get_2d(dimension(state.vertex, use)));
-  if (!(light.pdf > 0.0f) || !(max_component(light.radiance) > 0.0f)) return;
+  if (light.pdf <= 0.0f || is_black(light.radiance)) return;
   const LobeValue lobe = bsdf.evaluate(light.wi);
-  if (!(max_component(lobe.value) > 0.0f)) return;
+  if (is_black(lobe.value)) return;
 
   Ray shadow;
   shadow.time = state.ray.time;
@@ -229,7 +237,7 @@ void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceI
   const float weight = light.delta ? 1.0f : mis_weight(light.pdf, lobe.pdf, true);
   add_light(
       state.throughput * lobe.value * emitted_towards(hit, light) * (weight * visible / light.pdf),
-      light.light_group, state.vertex > 0, sample);
+      light.light_group, state.vertex + 1, sample);
 }
 
 bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
@@ -270,9 +278,12 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
   for (;; ++state.vertex) {
     SurfaceInteraction hit;
     const bool first = state.vertex == 0;
-    const std::uint64_t evaluations = hypertexture_cost().evaluations;
+    const std::uint64_t evaluations =
+        rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations;
     const bool found = next_hit(state, sampler, hit, rays);
-    if (first) result.steps = static_cast<float>(hypertexture_cost().evaluations - evaluations);
+    if (first)
+      result.steps = static_cast<float>(
+          rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations - evaluations);
     if (!found) {
       add_escaped(state, result);
       break;
@@ -300,7 +311,7 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     if (materials_.emits(hit.material)) {
       const V3f emitted = materials_.emission(hit, wo);
       const std::uint32_t light = lights_.emissive_triangle(hit.instance, hit.primitive);
-      if (max_component(emitted) > 0.0f)
+      if (!is_black(emitted))
         add_emitted(state, hit, emitted, light, scene_.materials[hit.material].group, result);
     }
     if (state.vertex > scene_.settings.max_depth) break;
@@ -327,6 +338,10 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     if (!scattered || !within_limits(state, *scattered)) break;
     state.throughput *= scattered->weight;
     state.eta_scale *= scattered->eta_squared;
+    if (!is_finite(state.throughput)) {
+      mark_non_finite(state.vertex + 1, result);
+      break;
+    }
     if (state.features_open)
       state.feature_tint *= clamped_to_one(scattered->weight * scattered->eta_squared);
 
@@ -348,6 +363,8 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     state.ray.origin = hit.spawn(scattered->wi);
     state.ray.direction = scattered->wi;
   }
+  // A sum of finite lights may overflow.
+  if (!is_finite(result.radiance)) mark_non_finite(state.vertex, result);
   return result;
 }
 

@@ -44,7 +44,8 @@ class PathTracer {
   float visibility(Ray shadow, RayCounts& rays) const;
 
   V3f emitted_towards(const SurfaceInteraction& from, const LightSet::Sample& light) const;
-  void add_light(V3f light, std::uint32_t light_group, bool indirect, PathSample& sample) const;
+  void add_light(V3f light, std::uint32_t light_group, int bounces, PathSample& sample) const;
+  static void mark_non_finite(int bounces, PathSample& sample);
   void add_escaped(State& state, PathSample& sample) const;
   void add_light_hit(State& state, const SurfaceInteraction& hit, PathSample& sample) const;
   void add_emitted(State& state, const SurfaceInteraction& hit, const V3f& radiance,

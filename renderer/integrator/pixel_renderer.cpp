@@ -20,12 +20,14 @@ struct PixelRenderer::Half {
 };
 
 PixelRenderer::PixelRenderer(const PathTracer& tracer, const Camera& camera,
-                             const RenderSettings& settings, const MatteNames* mattes, Shard shard)
+                             const RenderSettings& settings, const MatteNames* mattes, Shard shard,
+                             NonFiniteReport& non_finite)
     : tracer_(tracer),
       camera_(camera),
       settings_(settings),
       mattes_(mattes),
       shard_(shard),
+      non_finite_(non_finite),
       filter_(settings.filter, settings.filter_radius) {}
 
 bool PixelRenderer::adaptive() const { return settings_.noise_target > 0.0f && settings_.spp >= 4; }
@@ -47,7 +49,7 @@ PixelRenderer::Half PixelRenderer::half(int x, int y, std::uint32_t which, TileS
           which, tile, tile.pixels[at],          tile.needed.empty() ? nullptr : &tile.needed[at]};
 }
 
-// `offset` becomes the place in the pixel.
+// `offset` becomes the place in the pixel. Radiance that is not finite is reported, and stays.
 PathSample PixelRenderer::trace(const Half& half, std::uint32_t index, V2f& offset,
                                 RayCounts& rays) const {
   PixelSampler sampler = half.sampler;
@@ -56,7 +58,10 @@ PathSample PixelRenderer::trace(const Half& half, std::uint32_t index, V2f& offs
   const Ray ray =
       camera_.ray(static_cast<float>(half.x) + offset.x, static_cast<float>(half.y) + offset.y,
                   sampler.get_2d(kLensDimension), sampler.get_1d(kTimeDimension));
-  return tracer_.trace(ray, sampler, rays);
+  const PathSample sample = tracer_.trace(ray, sampler, rays);
+  if (sample.non_finite_bounce != PathSample::kAllFinite)
+    non_finite_.add({half.y, half.x, half.which, index, sample.non_finite_bounce});
+  return sample;
 }
 
 // Until the half has `target` samples of `range`.
@@ -71,7 +76,7 @@ void PixelRenderer::add_samples(Half& half, std::uint32_t target, Shard::Range r
     V2f offset;
     PathSample sample = trace(half, index, offset, tile.counts.rays);
     ++tile.counts.samples;
-    if (!is_finite(sample.radiance)) {
+    if (sample.non_finite_bounce != PathSample::kAllFinite) {
       ++tile.counts.non_finite;
       sample.radiance = V3f(0.0f);
       sample.groups.fill(V3f(0.0f));

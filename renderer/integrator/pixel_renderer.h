@@ -4,6 +4,7 @@
 #include "renderer/film/film_sums.h"
 #include "renderer/film/matte_names.h"
 #include "renderer/film/pixel_filter.h"
+#include "renderer/integrator/non_finite.h"
 #include "renderer/integrator/path_tracer.h"
 
 namespace morsel::render {
@@ -21,7 +22,7 @@ namespace morsel::render {
 class PixelRenderer {
  public:
   PixelRenderer(const PathTracer& tracer, const Camera& camera, const RenderSettings& settings,
-                const MatteNames* mattes, Shard shard);
+                const MatteNames* mattes, Shard shard, NonFiniteReport& non_finite);
 
   // Ends with at least min(target, all) of the shard's own samples in each half, and where it began
   // with more, with those: pixels are the same whatever targets they went through.
@@ -46,6 +47,7 @@ class PixelRenderer {
   const RenderSettings& settings_;
   const MatteNames* mattes_;
   Shard shard_;
+  NonFiniteReport& non_finite_;
   FilterSampler filter_;
 };
 

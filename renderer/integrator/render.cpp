@@ -181,8 +181,9 @@ RenderRun render_into(FilmSums& sums, const Scene& scene, const RenderOptions& o
 
     const PathTracer tracer(scene, accel, materials, lights, camera, options.direct_lighting);
     const MatteNames names(scene);
+    NonFiniteReport non_finite(options.stop_at_non_finite);
     const PixelRenderer pixels(tracer, camera, settings, settings.cryptomatte ? &names : nullptr,
-                               sums.shard());
+                               sums.shard(), non_finite);
     TileRenderer tiles(pixels, options, sums);
     const int workers = tbb::this_task_arena::max_concurrency();
     tbb::parallel_for(
@@ -191,6 +192,7 @@ RenderRun render_into(FilmSums& sums, const Scene& scene, const RenderOptions& o
     statistics.seconds.emplace_back("trace", watch.restart());
     run.end = tiles.end();
     count_samples(sums, statistics);
+    statistics.non_finite_places = non_finite.places();
     statistics.textures = materials.texture_statistics();
     statistics.texture_numbers = materials.texture_numbers();
   });

@@ -11,6 +11,7 @@
 
 #include "renderer/accel/scene_accel.h"
 #include "renderer/film/film_sums.h"
+#include "renderer/integrator/non_finite.h"
 #include "renderer/scene/scene.h"
 
 namespace morsel::render {
@@ -29,12 +30,17 @@ struct RenderOptions {
   // Called with the finished fraction, growing to 1, from rendering threads but never at once.
   std::function<void(double fraction)> progress;
   DirectLighting direct_lighting = DirectLighting::kMis;
+  // For finding where NaN comes from: the first sample that is not finite throws
+  // std::runtime_error with its pixel and bounce.
+  bool stop_at_non_finite = false;
 };
 
 struct RenderStatistics {
   RayCounts rays;
   std::uint64_t samples = 0;             // paths
   std::uint64_t non_finite_samples = 0;  // whose radiance was NaN or infinite and was taken as 0
+  // The first of those of this run, in the order of the picture.
+  std::vector<NonFinitePlace> non_finite_places;
   // What earlier runs brought, which is in the counts above too.
   std::uint64_t earlier_samples = 0, earlier_rays = 0;
   double earlier_seconds = 0.0;  // of tracing

@@ -51,6 +51,7 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
     sampled_luminance_ = mean_target();
   }
 
+  double total_weight = 0.0;
   std::vector<double> row_weight, weight(static_cast<std::size_t>(width));
   for (int row = 0; row <= height; ++row) {
     const int y0 = std::max(row - 1, 0), y1 = std::min(row, height - 1);
@@ -63,9 +64,15 @@ Environment::Environment(EnvironmentImage image, const V3f& scale, float rotatio
       total += mean;
     }
     in_row_.emplace_back(weight);
-    row_weight.push_back(total * band(std::max(row - 0.5, 0.0), std::min(row + 0.5, 1.0 * height)));
+    const double share = band(std::max(row - 0.5, 0.0), std::min(row + 0.5, 1.0 * height));
+    row_weight.push_back(total * share);
+    total_weight += row_weight.back();
+    const double half = row == 0 || row == height ? 0.5 : 1.0;
+    density_.push_back(
+        static_cast<float>(share / half * width * height / (2.0 * kDoublePi * kDoublePi)));
   }
   rows_.emplace(row_weight);
+  for (float& d : density_) d = total_weight > 0.0 ? static_cast<float>(d / total_weight) : 0.0f;
 }
 
 Environment::Patch Environment::patch(const V3f& wi) const {
@@ -89,47 +96,35 @@ Environment::Patch Environment::patch(const V3f& wi) const {
   p.position = V2f(s - floor_s, t - floor_t);
   p.sine = sine;
   p.row = static_cast<std::size_t>(row);
-  p.column = static_cast<std::size_t>(p.x0);
   return p;
 }
 
-V3f Environment::interpolate(const Patch& p) const {
-  const auto [x, y] = std::pair(p.position.x, p.position.y);
-  const V3f upper = texel(p.x0, p.y0) * (1.0f - x) + texel(p.x1, p.y0) * x;
-  const V3f lower = texel(p.x0, p.y1) * (1.0f - x) + texel(p.x1, p.y1) * x;
-  return upper * (1.0f - y) + lower * y;
+Environment::Corners<V3f> Environment::texels(const Patch& p) const {
+  return {texel(p.x0, p.y0), texel(p.x1, p.y0), texel(p.x0, p.y1), texel(p.x1, p.y1)};
 }
 
-Environment::Corners Environment::corners(const Patch& p) const {
-  return {target_of(texel(p.x0, p.y0)), target_of(texel(p.x1, p.y0)), target_of(texel(p.x0, p.y1)),
-          target_of(texel(p.x1, p.y1))};
+Environment::Corners<float> Environment::targets(const Corners<V3f>& texels) const {
+  return {target_of(texels.a), target_of(texels.b), target_of(texels.c), target_of(texels.d)};
 }
 
-float Environment::density(const Patch& p, const Corners& target, float probability) const {
-  const float mean = target.mean();
-  if (!(mean > 0.0f) || !(p.sine > 0.0f)) return 0.0f;
-  const bool pole = p.row == 0 || p.row == static_cast<std::size_t>(image_.height);
-  const float height = pole ? 0.5f : 1.0f;
-  const float patches = static_cast<float>(image_.width) * static_cast<float>(image_.height);
-  return probability * target.at(p.position) / (mean * height) * patches /
-         (2.0f * kPi * kPi * p.sine);
+// The chance of a patch is its mean times its row's solid angle, and the density within it is the
+// target over that mean: the mean cancels, and no table of probabilities is asked.
+float Environment::density(const Patch& p, const Corners<float>& target) const {
+  return p.sine > 0.0f ? target.at(p.position) * density_[p.row] / p.sine : 0.0f;
 }
 
-V3f Environment::radiance(const V3f& wi) const { return interpolate(patch(wi)); }
-
-float Environment::pdf(const V3f& wi) const {
-  if (constant()) return 0.25f * kInvPi;
-  return pdf(patch(wi));
+V3f Environment::radiance(const V3f& wi) const {
+  const Patch p = patch(wi);
+  return texels(p).at(p.position);
 }
 
-float Environment::pdf(const Patch& p) const {
-  return density(p, corners(p), rows_->probability(p.row) * in_row_[p.row].probability(p.column));
-}
+float Environment::pdf(const V3f& wi) const { return arriving(wi).pdf; }
 
 Environment::Arriving Environment::arriving(const V3f& wi) const {
-  if (constant()) return {texel(0, 0), pdf(wi)};
+  if (constant()) return {texel(0, 0), 0.25f * kInvPi};
   const Patch p = patch(wi);
-  return {interpolate(p), pdf(p)};
+  const Corners<V3f> around = texels(p);
+  return {around.at(p.position), density(p, targets(around))};
 }
 
 LightSample Environment::sample(const V2f& u) const {
@@ -146,12 +141,12 @@ LightSample Environment::sample(const V2f& u) const {
   const auto column = in_row_[row.index].sample(u.x);
   Patch p;
   p.row = row.index;
-  p.column = column.index;
   p.x0 = static_cast<int>(column.index);
   p.x1 = (p.x0 + 1) % width;
   p.y0 = std::max(static_cast<int>(row.index) - 1, 0);
   p.y1 = std::min(static_cast<int>(row.index), height - 1);
-  const Corners target = corners(p);
+  const Corners<V3f> around = texels(p);
+  const Corners<float> target = targets(around);
   const auto [a, b, c, d] = target;
   // At a pole the patch is half as high, and the light does not change along it.
   float y = sample_linear(row.offset, a + b, c + d);
@@ -170,8 +165,8 @@ LightSample Environment::sample(const V2f& u) const {
   LightSample sample;
   sample.wi =
       V3f(cosine_ * east + sine_ * south, std::cos(colatitude), cosine_ * south - sine_ * east);
-  sample.radiance = interpolate(p);
-  sample.pdf = density(p, target, row.probability * column.probability);
+  sample.radiance = around.at(p.position);
+  sample.pdf = density(p, target);
   sample.distance = std::numeric_limits<float>::infinity();
   return sample;
 }

@@ -59,9 +59,9 @@ class Environment {
     int y0, y1;    // rows, equal at the poles
     V2f position;  // between them, [0, 1]^2
     float sine;    // of the angle to the +y axis
-    // Index of the patch: column x0 and row 0 .. height, the first and the last being the halves
-    // between a pole and the nearest texels' centres.
-    std::size_t row, column;
+    // 0 .. height, the first and the last being the halves between a pole and the nearest texels'
+    // centres. The column is x0.
+    std::size_t row;
   };
   // One texel: the same everywhere, sampled uniformly.
   bool constant() const { return image_.texels.size() == 1; }
@@ -70,24 +70,23 @@ class Environment {
            static_cast<std::size_t>(x);
   }
   Patch patch(const V3f& wi) const;
-  V3f interpolate(const Patch& patch) const;
-  float pdf(const Patch& patch) const;
   // What sampling follows, of a texel. Not a table of its own: wherever it is asked for, the texel
   // is wanted too, and fetching from memory is what costs here.
   float target_of(const V3f& texel) const {
     return std::max(0.0f, luminance(texel) - not_sampled_);
   }
   // Of the four texels about a patch.
+  template <typename T>
   struct Corners {
-    float a, b, c, d;  // upper left and right, lower left and right
-    float mean() const { return 0.25f * (a + b + c + d); }
-    float at(const V2f& p) const {
+    T a, b, c, d;  // upper left and right, lower left and right
+    T at(const V2f& p) const {
       return (a * (1.0f - p.x) + b * p.x) * (1.0f - p.y) + (c * (1.0f - p.x) + d * p.x) * p.y;
     }
   };
-  Corners corners(const Patch& patch) const;
-  // Per solid angle, of a point in the patch, which is chosen with `probability`.
-  float density(const Patch& patch, const Corners& target, float probability) const;
+  Corners<V3f> texels(const Patch& patch) const;
+  Corners<float> targets(const Corners<V3f>& texels) const;
+  // Per solid angle, of a point in the patch.
+  float density(const Patch& patch, const Corners<float>& target) const;
   const V3f& texel(int x, int y) const { return image_.texels[index(x, y)]; }
 
   EnvironmentImage image_;              // already scaled
@@ -95,6 +94,7 @@ class Environment {
   float sine_, cosine_;                 // of the rotation
   std::vector<Distribution1D> in_row_;  // height + 1
   std::optional<Distribution1D> rows_;
+  std::vector<float> density_;  // by row: times target over sine gives the density
   float sampled_luminance_ = 0.0f;
 };
 

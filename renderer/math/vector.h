@@ -31,6 +31,9 @@ inline bool is_finite(const V3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+// No light. What is not a number counts as light: it must get where it is found.
+inline bool is_black(const V3f& c) { return c.x <= 0.0f && c.y <= 0.0f && c.z <= 0.0f; }
+
 // Relative luminance of a linear Rec. 709 colour.
 inline float luminance(const V3f& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 

@@ -27,7 +27,7 @@ const std::array<float, 256>& srgb_bytes() {
   return table;
 }
 
-constexpr int kTile = 64;
+constexpr int kTile = kLinearImageTile;
 
 struct Level {
   int width = 0, height = 0;
@@ -119,6 +119,7 @@ class LinearImage final : public OIIO::ImageInput {
 
   // Down to a single texel.
   bool seek_subimage(int subimage, int miplevel) override {
+    const lock_guard lock(*this);
     const int levels = std::bit_width(static_cast<unsigned>(std::max(width_, height_)));
     if (subimage != 0 || miplevel < 0 || miplevel >= levels) return false;
     level_ = miplevel;
@@ -126,14 +127,19 @@ class LinearImage final : public OIIO::ImageInput {
     m_spec.height = m_spec.full_height = std::max(1, height_ >> miplevel);
     return true;
   }
-  int current_miplevel() const override { return level_; }
+  int current_miplevel() const override {
+    const lock_guard lock(*this);
+    return level_;
+  }
 
   bool read_native_scanline(int, int, int, int, void*) override {
     errorfmt("read by scanlines");
     return false;
   }
 
+  // The cache asks from many threads at once.
   bool read_native_tile(int subimage, int miplevel, int x, int y, int, void* data) override {
+    const lock_guard lock(*this);
     if (!seek_subimage(subimage, miplevel) || !decode(static_cast<std::size_t>(miplevel)))
       return false;
     const Level& level = levels_[static_cast<std::size_t>(miplevel)];

@@ -8,6 +8,9 @@
 
 namespace morsel::render {
 
+// Side of its tiles; level k is of max(1, size >> k) texels.
+inline constexpr int kLinearImageTile = 64;
+
 // An image as OpenImageIO's cache should see it: scene-linear, so that mip levels and filters mix
 // light and not its sRGB encoding; from a file, or from an encoded image in memory. Made by the
 // cache itself, which passes `configuration` to open().

@@ -4,12 +4,16 @@
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/texture.h>
 #include <fmt/format.h>
+#include <oneapi/tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
+#include <bit>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
 
 #include "renderer/texture/linear_image.h"
+#include "renderer/texture/tile_sampler.h"
 
 namespace morsel::render {
 namespace {
@@ -61,12 +65,15 @@ std::map<int, std::string> udim_tiles(const std::string& pattern) {
 }  // namespace
 
 struct TextureStore::Impl {
+  struct Opened {
+    OIIO::TextureSystem::TextureHandle* handle = nullptr;
+    CachedImage cached;
+  };
   struct Image {
     OIIO::TextureOpt options;
-    OIIO::TextureSystem::TextureHandle* handle = nullptr;
-    int channels = 0;
-    // UDIM: handles by tile number; the image is not repeated.
-    std::map<int, std::pair<OIIO::TextureSystem::TextureHandle*, int>> tiles;
+    Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+    Opened whole;
+    std::map<int, Opened> tiles;  // UDIM: by tile number; the image is not repeated
   };
 
   OIIO::TextureSystem* system = OIIO::TextureSystem::create(false);
@@ -74,9 +81,15 @@ struct TextureStore::Impl {
   std::vector<ImageTexture> added;  // one of each kind, by number: see same_image
   std::vector<std::unique_ptr<ImageTexture>> sources;  // what the cache's configurations point to
 
-  ~Impl() { OIIO::TextureSystem::destroy(system); }
+  oneapi::tbb::enumerable_thread_specific<TileSampler> samplers{
+      [this] { return TileSampler(*system->imagecache()); }};
 
-  std::pair<OIIO::TextureSystem::TextureHandle*, int> open(const ImageTexture& image) {
+  ~Impl() {
+    samplers.clear();
+    OIIO::TextureSystem::destroy(system);
+  }
+
+  Opened open(const ImageTexture& image) {
     sources.push_back(std::make_unique<ImageTexture>(image));
     const OIIO::ustring name(fmt::format("texture {}", sources.size()));
     const OIIO::ImageSpec config = linear_image_configuration(*sources.back());
@@ -86,14 +99,20 @@ struct TextureStore::Impl {
       throw std::runtime_error(fmt::format("{}: cannot read the image: {}",
                                            image.data ? image.description : image.file,
                                            system->geterror()));
-    return {system->get_texture_handle(name), spec.nchannels};
+    return {system->get_texture_handle(name),
+            {.handle = system->imagecache()->get_image_handle(name),
+             .number = static_cast<std::uint32_t>(sources.size()),
+             .width = spec.width,
+             .height = spec.height,
+             .levels = static_cast<int>(
+                 std::bit_width(static_cast<unsigned>(std::max(spec.width, spec.height)))),
+             .channels = spec.nchannels}};
   }
 };
 
 TextureStore::TextureStore(std::uint64_t megabytes) : impl_(std::make_unique<Impl>()) {
   impl_->system->attribute("max_memory_MB", static_cast<float>(megabytes));
   impl_->system->attribute("automip", 1);
-  impl_->system->attribute("stochastic", 3);  // mip level and place, where asked for
   impl_->system->attribute("autotile", 64);
   impl_->system->attribute("autoscanline", 0);
   impl_->system->attribute("accept_untiled", 1);
@@ -107,12 +126,12 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
   for (std::size_t i = 0; i < impl_->added.size(); ++i)
     if (same_image(impl_->added[i], image)) return static_cast<std::uint32_t>(i);
   Impl::Image added;
-  added.options.swrap = wrap_of(image.wrap_u);
-  added.options.twrap = wrap_of(image.wrap_v);
+  added.wrap_u = image.wrap_u;
+  added.wrap_v = image.wrap_v;
   // Cubic B-splines, the default where texels are larger than pixels, would blur them.
   added.options.interpmode = OIIO::TextureOpt::InterpBilinear;
   if (!image.data && image.file.find(kUdim) != std::string::npos) {
-    added.options.swrap = added.options.twrap = OIIO::TextureOpt::WrapClamp;
+    added.wrap_u = added.wrap_v = Wrap::kClamp;
     for (const auto& [number, file] : udim_tiles(image.file)) {
       ImageTexture tile = image;
       tile.file = file;
@@ -122,8 +141,10 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
       throw std::runtime_error(
           fmt::format("{}: no tiles; <UDIM> stands for four digits, 1001 or more", image.file));
   } else {
-    std::tie(added.handle, added.channels) = impl_->open(image);
+    added.whole = impl_->open(image);
   }
+  added.options.swrap = wrap_of(added.wrap_u);
+  added.options.twrap = wrap_of(added.wrap_v);
   impl_->images.push_back(std::move(added));
   impl_->added.push_back(image);
   return static_cast<std::uint32_t>(impl_->images.size() - 1);
@@ -132,29 +153,34 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
 TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, const V2f& across,
                                          const V2f& along, float random) const {
   const Impl::Image& i = impl_->images[image];
-  auto* handle = i.handle;
-  int channels = i.channels;
+  const Impl::Opened* opened = &i.whole;
   V2f at = uv;
   if (!i.tiles.empty()) {
     const float column = std::floor(uv.x), row = std::floor(uv.y);
     if (!(column >= 0.0f && column < 10.0f && row >= 0.0f && row < 900.0f)) return {};
     const auto tile = i.tiles.find(1001 + static_cast<int>(column) + 10 * static_cast<int>(row));
     if (tile == i.tiles.end()) return {};
-    std::tie(handle, channels) = tile->second;
+    opened = &tile->second;
     at = V2f(uv.x - column, uv.y - row);
   }
-  OIIO::TextureOpt options = i.options;
-  if (random >= 0.0f) {
-    options.mipmode = OIIO::TextureOpt::MipModeStochasticAniso;
-    options.rnd = random;
-  }
+  const int channels = opened->cached.channels;
   float texel[4] = {0.0f, 0.0f, 0.0f, 1.0f};
   // OpenImageIO's t is down from the top.
-  if (!impl_->system->texture(handle, impl_->system->get_perthread_info(), options, at.x,
-                              1.0f - at.y, across.x, -across.y, along.x, -along.y,
-                              std::min(channels, 4), texel)) {
-    impl_->system->geterror();  // or it would be kept for ever
-    return {};
+  if (random >= 0.0f) {
+    if (!impl_->samplers.local().sample(opened->cached, i.wrap_u, i.wrap_v, V2f(at.x, 1.0f - at.y),
+                                        V2f(across.x, -across.y), V2f(along.x, -along.y), random,
+                                        texel)) {
+      impl_->system->imagecache()->geterror();  // or it would be kept for ever
+      return {};
+    }
+  } else {
+    OIIO::TextureOpt options = i.options;
+    if (!impl_->system->texture(opened->handle, impl_->system->get_perthread_info(), options, at.x,
+                                1.0f - at.y, across.x, -across.y, along.x, -along.y,
+                                std::min(channels, 4), texel)) {
+      impl_->system->geterror();
+      return {};
+    }
   }
   if (channels <= 2) return {V3f(texel[0]), channels == 2 ? texel[1] : 1.0f};
   return {V3f(texel[0], texel[1], texel[2]), channels > 3 ? texel[3] : 1.0f};

@@ -138,12 +138,18 @@ TEST(HypertextureFurnace, DiffuseBallReflectsItsAlbedo) {
   }
 }
 
-TEST(HypertextureFurnace, ClearGlassVanishes) {
+// The rock alone under a white sky.
+Scene rock_scene(MaterialType type, float color) {
   Scene scene;
-  add_material(scene, MaterialType::kDielectric, V3f(1.0f));
+  add_material(scene, type, V3f(color));
   add_hypertexture(scene, rock(), 0);
   add_constant_environment(scene, 1.0f);
   scene.camera.position = V3f(0, 0, 6);
+  return scene;
+}
+
+TEST(HypertextureFurnace, ClearGlassVanishes) {
+  Scene scene = rock_scene(MaterialType::kDielectric, 1.0f);
   set_image(scene, 32, 32, 8, 200);
   const RenderResult result = render(scene);
   double sum = 0.0;
@@ -191,11 +197,7 @@ TEST(HypertextureDeterminism, ThreadsAndCropChangeNoPixel) {
 
 // The layer "steps" counts the camera's rays alone, those that miss included.
 TEST(HypertextureSteps, AreThoseOfTheCamerasRays) {
-  Scene scene;
-  add_material(scene, MaterialType::kDiffuse, V3f(0.6f));
-  add_hypertexture(scene, rock(), 0);
-  add_constant_environment(scene, 0.5f);
-  scene.camera.position = V3f(0, 0, 6);
+  Scene scene = rock_scene(MaterialType::kDiffuse, 0.6f);
   set_image(scene, 48, 48, 2, 4);
   const RenderResult result = render(scene);
   double sum = 0.0;

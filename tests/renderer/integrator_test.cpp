@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
 #include <tuple>
 
 #include "renderer/integrator/render.h"
@@ -330,6 +334,61 @@ TEST(Visibility, LightsAndEnvironmentCanHideFromTheCameraButStillShine) {
   EXPECT_EQ(hidden.film.at(0, 0).color, V3f(0.0f));
   EXPECT_EQ(brightest(hidden, 0, 16), 0.0f);
   EXPECT_GT(brightest(hidden, 16, 32), 1.0f);
+}
+
+// What a surface of this colour brings is found, whichever channel it is in: lights are skipped
+// when they are black only.
+TEST(Render, NanIsReportedWithPixelAndBounceInEveryChannel) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (const V3f& bad : {V3f(kNan, 0, 0), V3f(0, kNan, 0), V3f(0, 0, kNan)})
+    for (const bool in_light : {false, true}) {
+      Scene scene;
+      add_material(scene, MaterialType::kDiffuse, in_light ? V3f(0.5f) : bad);
+      add_mesh(scene, sphere_mesh(3), 0);
+      if (in_light) {
+        add_rectangle(scene, V3f(-1, -1, 3), V3f(0, 2, 0), V3f(2, 0, 0), 1.0f);
+        scene.rectangles[0].radiance = bad;
+      } else {
+        add_constant_environment(scene, 1.0f);
+      }
+      look_at_sphere(scene);
+      if (in_light) scene.camera.position = V3f(0, 2, 4);
+      set_image(scene, 16, 16, 4);
+      const RenderResult result = render(scene);
+      const auto& places = result.statistics.non_finite_places;
+      ASSERT_FALSE(places.empty()) << bad << ", in a light: " << in_light;
+      EXPECT_EQ(places.size(), std::min<std::uint64_t>(result.statistics.non_finite_samples,
+                                                       NonFiniteReport::kMost));
+      EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
+      for (const NonFinitePlace& place : places) EXPECT_EQ(place.bounce, 1u);
+      for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 16; ++x) ASSERT_TRUE(is_finite(result.film.at(x, y).color));
+
+      RenderOptions options;
+      options.stop_at_non_finite = true;
+      try {
+        render(scene, options);
+        ADD_FAILURE() << "not stopped";
+      } catch (const std::runtime_error& e) {
+        EXPECT_THAT(e.what(),
+                    ::testing::ContainsRegex("pixel [0-9]+,[0-9]+, sample [0-3], after bounce 1"));
+      }
+    }
+}
+
+// The same places whatever the threads; the samples that decide how many there shall be report too.
+TEST(Render, ReportedPlacesDoNotDependOnThreads) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 8;
+  scene.settings.noise_target = 0.1f;
+  scene.rectangles[0].radiance = V3f(3e38f);
+  scene.environment->radiance = V3f(3e38f);
+  RenderOptions options;
+  options.threads = 1;
+  const auto one = render(scene, options).statistics.non_finite_places;
+  options.threads = 2;
+  EXPECT_EQ(one, render(scene, options).statistics.non_finite_places);
+  EXPECT_EQ(one.size(), NonFiniteReport::kMost);
 }
 
 // Light beyond what float holds: the sums overflow, and no pixel shows it.

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models of our own, from the file to the picture: what real glTF and OBJ files are made of.
+#include <Imath/ImathBox.h>
 #include <Imath/ImathVec.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <tuple>
 
 #include "renderer/integrator/render.h"
 #include "renderer/mesh/mesh_file.h"
@@ -216,6 +220,70 @@ TEST_F(ModelRender, WhatIsNoImageIsNamed) {
     }
   }
 }
+
+// Files that others made, from the package assimp-testmodels: whole, in view, lit by a white sky.
+constexpr const char* kRealModels = "/usr/share/assimp/models/";
+
+struct RealModel {
+  const char* file;
+  bool textured;  // in colour
+};
+void PrintTo(const RealModel& model, std::ostream* out) { *out << model.file; }
+
+class RealModelRender : public ::testing::TestWithParam<RealModel> {};
+
+void look_at_all(Scene& scene) {
+  Imath::Box3d bounds;
+  for (const Instance& i : scene.instances)
+    for (const V3f& p : std::get<TriangleMesh>(scene.geometries[i.geometry].shape).positions)
+      bounds.extendBy(V3d(p) * i.object_to_world);
+  const V3d middle = bounds.center(), half = bounds.size() * 0.5;
+  scene.camera = {};
+  scene.camera.look_at = V3f(middle);
+  scene.camera.position = V3f(middle + V3d(0.45, 0.35, 0.82) * (3.0 * half.length()));
+}
+
+TEST_P(RealModelRender, IsSeenWithoutErrors) {
+  const std::string file = std::string(kRealModels) + GetParam().file;
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "assimp-testmodels is not installed";
+  Scene scene;
+  add_model(load_model(file, [](const std::string&) {}), {.name = "model", .transform = {}}, scene);
+  look_at_all(scene);
+  add_constant_environment(scene, 1.0f);
+  scene.environment->visible_to_camera = false;
+  set_image(scene, kSide, kSide, 4);
+  const RenderResult result = render(scene);
+  EXPECT_EQ(result.statistics.non_finite_samples, 0u);
+  int covered = 0;
+  std::set<std::tuple<float, float, float>> albedos;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const Pixel& p = result.film.at(x, y);
+      if (p.alpha < 1.0f) continue;
+      ++covered;
+      albedos.emplace(p.albedo.x, p.albedo.y, p.albedo.z);
+      EXPECT_GT(max_component(p.color), 0.0f) << x << ", " << y;
+    }
+  EXPECT_GT(covered, kSide * kSide / 25);
+  // One material has one albedo, but for where its gloss depends on the angle.
+  if (GetParam().textured) {
+    EXPECT_GT(albedos.size(), 20u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, RealModelRender,
+    ::testing::Values(RealModel{"glTF2/BoxTextured-glTF/BoxTextured.gltf", true},
+                      RealModel{"glTF2/BoxTextured-glTF-Embedded/BoxTextured.gltf", true},
+                      RealModel{"glTF2/BoxTextured-glTF-Binary/BoxTextured.glb", true},
+                      RealModel{"glTF2/BoxTextured-glTF-pbrSpecularGlossiness/BoxTextured.gltf",
+                                true},
+                      RealModel{"glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb", false},
+                      RealModel{"glTF2/ClearCoat-glTF/ClearCoatTest.gltf", false},
+                      RealModel{"glTF2/textureTransform/TextureTransformTest.gltf", true},
+                      RealModel{"glTF2/cameras/Cameras.gltf", false},
+                      RealModel{"OBJ/WusonOBJ.obj", false}, RealModel{"OBJ/spider.obj", true},
+                      RealModel{"OBJ/cube_usemtl.obj", false}));
 
 }  // namespace
 }  // namespace morsel::render

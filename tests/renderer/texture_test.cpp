@@ -3,7 +3,11 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
+#include <latch>
+#include <thread>
+#include <vector>
 
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/accel/scene_accel.h"
@@ -80,6 +84,68 @@ TEST_F(TextureTest, FootprintsAverageLight) {
   EXPECT_GT(std::abs(at(store_, image, texel(40), texel(40)).x -
                      at(store_, image, texel(41), texel(40)).x),
             0.5f);
+}
+
+// Points of a footprint have its filtered value for their mean; where texels are larger than it
+// they are that value, whatever the wrapping makes of places outside.
+TEST_F(TextureTest, PointsOfAFootprintAverageToItsFilteredValue) {
+  const std::string file = write_image(folder_, "smooth.png", 200, 150, [](int x, int y) {
+    const auto wave = [](double t) { return static_cast<int>(127.5 + 120.0 * std::sin(t)); };
+    return Imath::V3i(wave(x * 0.08), wave(y * 0.11 + 1.0), wave((x + y) * 0.05));
+  });
+  for (const Wrap wrap : {Wrap::kRepeat, Wrap::kClamp, Wrap::kMirror, Wrap::kBlack}) {
+    ImageTexture texture = image_of(file, ColorSpace::kLinear);
+    texture.wrap_u = texture.wrap_v = wrap;
+    const std::uint32_t image = store_.add(texture);
+    for (const V2f& uv :
+         {V2f(0.3f, 0.6f), V2f(-0.37f, 1.43f), V2f(2.61f, -1.2f), V2f(0.001f, 0.5f)})
+      for (const float width : {0.0f, 0.001f, 0.02f, 0.15f}) {
+        const V2f across(width, 0.3f * width), along(-0.1f * width, 0.4f * width);
+        const V3f filtered = store_.lookup(image, uv, across, along).color;
+        V3f mean(0.0f);
+        constexpr int kPoints = 4096;
+        for (int i = 0; i < kPoints; ++i)
+          mean += store_.lookup(image, uv, across, along, (static_cast<float>(i) + 0.5f) / kPoints)
+                      .color /
+                  static_cast<float>(kPoints);
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(mean[c], filtered[c], width < 0.01f ? 0.004f : 0.06f)
+              << "wrap " << static_cast<int>(wrap) << ", " << uv << ", width " << width;
+      }
+  }
+}
+
+// The first look-ups decode the image and make its levels, whichever threads they come from.
+TEST_F(TextureTest, IsReadByManyThreadsAtOnce) {
+  const std::string file = write_image(folder_, "noise.png", 512, 512, [](int x, int y) {
+    return Imath::V3i((x * 7 + y * 13) % 256, (x * y) % 256, (x * x + y) % 256);
+  });
+  constexpr int kThreads = 8, kLookups = 64;
+  const auto lookup = [](const TextureStore& store, std::uint32_t image, int i) {
+    const float u = static_cast<float>(i * 29 % 64) / 64.0f, v = static_cast<float>(i) / 64.0f;
+    return at(store, image, u, v, std::exp2(-static_cast<float>(i % 9)));
+  };
+  const std::uint32_t alone = store_.add(image_of(file));
+  for (int round = 0; round < 20; ++round) {
+    TextureStore store(64);
+    const std::uint32_t image = store.add(image_of(file));
+    std::vector<V3f> found(std::size_t{kThreads} * kLookups);
+    std::latch start(kThreads);
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < kThreads; ++t)
+      threads.emplace_back([&, t] {
+        start.arrive_and_wait();
+        for (int i = 0; i < kLookups; ++i)
+          found[static_cast<std::size_t>(t * kLookups + i)] =
+              lookup(store, image, (i + t * 5) % kLookups);
+      });
+    threads.clear();
+    for (int t = 0; t < kThreads; ++t)
+      for (int i = 0; i < kLookups; ++i)
+        ASSERT_EQ(found[static_cast<std::size_t>(t * kLookups + i)],
+                  lookup(store_, alone, (i + t * 5) % kLookups))
+            << "round " << round << ", thread " << t << ", " << i;
+  }
 }
 
 TEST_F(TextureTest, UdimTilesAreFoundByTheirNumbers) {
@@ -275,6 +341,29 @@ TEST_F(TextureTest, RayConesChooseTheMipLevel) {
   const Film film = render(scene).film;
   for (int y = 4; y < 28; ++y)
     for (int x = 4; x < 28; ++x) EXPECT_NEAR(film.at(x, y).albedo.x, 0.5f, 0.06f);
+}
+
+TEST_F(TextureTest, ThreadsChangeNoTexturedPixel) {
+  Scene scene = square_scene();
+  ImageTexture image = image_of(write_image(folder_, "spots.png", 300, 200, [](int x, int y) {
+    return Imath::V3i(x * y % 256, x % 256, y * 7 % 256);
+  }));
+  image.scale = V2f(3.0f, 2.0f);
+  scene.textures.push_back({"spots", image, TextureChannel::kLuminance});
+  scene.materials[0].texture(MaterialInput::kColor) = 0;
+  scene.settings.spp = 4;
+  RenderOptions one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const Film expected = render(scene, one).film;
+  for (int round = 0; round < 5; ++round) {
+    const Film film = render(scene, two).film;
+    for (int y = 0; y < scene.settings.height; ++y)
+      for (int x = 0; x < scene.settings.width; ++x) {
+        ASSERT_EQ(film.at(x, y).color, expected.at(x, y).color) << x << ", " << y;
+        ASSERT_EQ(film.at(x, y).albedo, expected.at(x, y).albedo) << x << ", " << y;
+      }
+  }
 }
 
 TEST_F(TextureTest, NormalMapsLean) {

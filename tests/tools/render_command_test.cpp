@@ -47,6 +47,36 @@ TEST_F(RenderCommandTest, NamesOfOutputsAreTheUsers) {
   EXPECT_TRUE(exists("d.topo"));
 }
 
+// A surface so bright that its light overflows: black in the picture, said on stderr, listed in the
+// statistics; an error when that was asked for.
+TEST_F(RenderCommandTest, SamplesThatAreNotFiniteAreReportedOrStopTheRender) {
+  json scene = json::parse(kCommandScene);
+  std::string image = "PF\n1 1\n-1.0\n";
+  const float hot[3] = {3e38f, 1.0f, 1.0f};
+  image.append(reinterpret_cast<const char*>(hot), sizeof hot);
+  folder_.write("hot.pfm", image);
+  scene["textures"] = json::parse(R"([{"name": "hot", "type": "image", "file": "hot.pfm"}])");
+  scene["materials"].push_back(json::parse(
+      R"({"name": "hot", "type": "principled", "emission": 1000, "emission_texture": "hot"})"));
+  scene["instances"][1]["material"] = "hot";
+  folder_.write("scene.json", scene.dump());
+
+  const CommandResult whole = render({"--stats", "json"});
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  EXPECT_NE(whole.err.find("not finite: pixel "), std::string::npos) << whole.err;
+  const json samples = json::parse(whole.out)["samples"];
+  ASSERT_GT(samples["non_finite"], 0);
+  ASSERT_FALSE(samples["non_finite_places"].empty());
+  for (const json& place : samples["non_finite_places"]) {
+    EXPECT_LT(place["pixel"][0], 32);
+    EXPECT_LE(place["bounce"], 3);
+  }
+
+  const CommandResult stopped = render({"--stop-at-nan"});
+  EXPECT_EQ(stopped.code, 1);
+  EXPECT_NE(stopped.err.find("after bounce"), std::string::npos) << stopped.err;
+}
+
 TEST_F(RenderCommandTest, StatisticsAreOneDocument) {
   const CommandResult result =
       render({"--stats", "json", "--spp", "3", "--crop", "4,5,20,15", "--threads", "2"});

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderer/texture/tile_sampler.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "renderer/texture/linear_image.h"
+
+namespace morsel::render {
+namespace {
+
+// Footprints that are longer than this times their width are taken to be wider.
+constexpr float kMostAnisotropic = 32.0f;
+
+// Of a finite half; exact, for what is not denormal. A table would push other things out of the
+// processor's cache.
+float from_half(std::uint16_t h) {
+  const auto magnitude = std::bit_cast<float>(static_cast<std::uint32_t>(h & 0x7fffu) << 13);
+  return (h & 0x8000u ? -0x1p112f : 0x1p112f) * magnitude;
+}
+
+// A texel's index in an image that goes on as `wrap` says; -1: black.
+int wrapped(int i, int n, Wrap wrap) {
+  if (i >= 0 && i < n) return i;
+  switch (wrap) {
+    case Wrap::kClamp:
+      return i < 0 ? 0 : n - 1;
+    case Wrap::kBlack:
+      return -1;
+    case Wrap::kMirror: {
+      const int period = ((i % (2 * n)) + 2 * n) % (2 * n);
+      return period < n ? period : 2 * n - 1 - period;
+    }
+    case Wrap::kRepeat:
+      break;
+  }
+  return ((i % n) + n) % n;
+}
+
+// Floats beyond what an int holds, and NaN, come out at 0.
+int floor_to_int(float x) { return std::abs(x) < 1e9f ? static_cast<int>(std::floor(x)) : 0; }
+
+}  // namespace
+
+TileSampler::~TileSampler() {
+  for (const Entry& e : entries_)
+    if (e.tile != nullptr) cache_.release_tile(e.tile);
+}
+
+const TileSampler::Entry* TileSampler::find(const CachedImage& image, int level, int tile_x,
+                                            int tile_y) {
+  const std::uint64_t key =
+      std::uint64_t{image.number} << 40 | static_cast<std::uint64_t>(level) << 32 |
+      static_cast<std::uint64_t>(tile_y) << 16 | static_cast<std::uint64_t>(tile_x);
+  Entry& e = entries_[(key * 0x9e3779b97f4a7c15u) >> (64 - std::bit_width(kTiles - 1))];
+  if (e.key == key) return &e;
+  OIIO::ImageCache::Tile* tile = cache_.get_tile(
+      image.handle, nullptr, 0, level, tile_x * kLinearImageTile, tile_y * kLinearImageTile, 0);
+  if (tile == nullptr) return nullptr;
+  if (e.tile != nullptr) cache_.release_tile(e.tile);
+  OIIO::TypeDesc format;
+  e.pixels = cache_.tile_pixels(tile, format);
+  e.tile = tile;
+  e.half = format == OIIO::TypeDesc::HALF;
+  e.key = key;
+  return &e;
+}
+
+bool TileSampler::add(const CachedImage& image, int level, int x, int y, float weight,
+                      float texel[4]) {
+  if (x < 0 || y < 0 || weight == 0.0f) return true;
+  const Entry* e = find(image, level, x / kLinearImageTile, y / kLinearImageTile);
+  if (e == nullptr) return false;
+  const auto at =
+      static_cast<std::size_t>((y % kLinearImageTile) * kLinearImageTile + x % kLinearImageTile) *
+      static_cast<std::size_t>(image.channels);
+  const int channels = std::min(image.channels, 4);
+  if (e->half) {
+    const auto* values = static_cast<const std::uint16_t*>(e->pixels) + at;
+    for (int c = 0; c < channels; ++c) texel[c] += weight * from_half(values[c]);
+  } else {
+    const auto* values = static_cast<const float*>(e->pixels) + at;
+    for (int c = 0; c < channels; ++c) texel[c] += weight * values[c];
+  }
+  return true;
+}
+
+bool TileSampler::sample(const CachedImage& image, Wrap wrap_u, Wrap wrap_v, V2f uv,
+                         const V2f& across, const V2f& along, float random, float texel[4]) {
+  const V2f size(static_cast<float>(image.width), static_cast<float>(image.height));
+  V2f major = across;
+  float longest = (across * size).length(), shortest = (along * size).length();
+  if (shortest > longest) {
+    std::swap(longest, shortest);
+    major = along;
+  }
+  // The level whose texels are as large as the footprint is wide: one of the two about it, by
+  // linear interpolation in the width.
+  const float width = std::max(shortest, longest / kMostAnisotropic);
+  int level = 0;
+  if (width > 1.0f && std::isfinite(width)) {
+    const float share = 2.0f * std::frexp(width, &level) - 1.0f;  // of the coarser one
+    if (random < share) {
+      random /= share;
+    } else {
+      random = (random - share) / (1.0f - share);
+      --level;
+    }
+    level = std::min(level, image.levels - 1);
+  }
+  // A point of the long axis; what the level's texels cover themselves is not walked again.
+  if (longest > width) uv += major * ((random - 0.5f) * (1.0f - width / longest));
+
+  const int columns = std::max(1, image.width >> level), rows = std::max(1, image.height >> level);
+  const float s = uv.x * static_cast<float>(columns) - 0.5f;
+  const float t = uv.y * static_cast<float>(rows) - 0.5f;
+  const int x = floor_to_int(s), y = floor_to_int(t);
+  const float fx = std::clamp(s - static_cast<float>(x), 0.0f, 1.0f);
+  const float fy = std::clamp(t - static_cast<float>(y), 0.0f, 1.0f);
+  const int x0 = wrapped(x, columns, wrap_u), x1 = wrapped(x + 1, columns, wrap_u);
+  const int y0 = wrapped(y, rows, wrap_v), y1 = wrapped(y + 1, rows, wrap_v);
+  std::fill_n(texel, std::min(image.channels, 4), 0.0f);
+  return add(image, level, x0, y0, (1.0f - fx) * (1.0f - fy), texel) &&
+         add(image, level, x1, y0, fx * (1.0f - fy), texel) &&
+         add(image, level, x0, y1, (1.0f - fx) * fy, texel) &&
+         add(image, level, x1, y1, fx * fy, texel);
+}
+
+}  // namespace morsel::render
