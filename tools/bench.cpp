@@ -96,19 +96,19 @@ int run(const Options& options, const Session& session) {
   if (!options.html.empty()) topology::require_replaceable(options.html);
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
   const bool camera = document.root().contains("camera");
+  topology::Execution execution;
+  execution.cancel = session.cancel;
   // Without a camera, or with a name, it is an error that there is no hypertexture.
   std::optional<geom::Hypertexture> hypertexture;
   if (!camera || !options.geometry.empty() || has_hypertexture(document))
-    hypertexture =
-        render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+    hypertexture = render::read_hypertexture(
+        document, render::find_hypertexture(document, options.geometry), execution);
   if (options.scaling && !camera)
     throw UsageError("--scaling: the scene has no camera, so there is no render to measure");
   if (options.layers > 0 && !(camera && hypertexture))
     throw UsageError("--layers: needs a scene with a camera and a hypertexture");
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
-  topology::Execution execution;
-  execution.cancel = session.cancel;
   execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("topology: {}", phase));
   };
