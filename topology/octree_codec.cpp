@@ -201,7 +201,7 @@ class Unpacker {
     if (execution_.progress)
       execution_.progress(static_cast<double>(nodes_.size()) / static_cast<double>(count_),
                           "reading");
-    if (execution_.cancel != nullptr && execution_.cancel->load()) throw Cancelled();
+    execution_.check_cancel();
     next_report_ += std::max<std::uint64_t>(count_ / 64, 1);
   }
 

@@ -79,11 +79,6 @@ topology::Box BrickBuilder::box_of(const Place& p) const {
   return set_.box(b);
 }
 
-void BrickBuilder::check_cancel() const {
-  if (execution_.cancel != nullptr && execution_.cancel->load(std::memory_order_relaxed))
-    throw topology::Cancelled();
-}
-
 void BrickBuilder::report(std::uint32_t leaves) const {
   if (!execution_.progress) return;
   const std::uint64_t all = contents_[0].leaves;
@@ -103,7 +98,7 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   const topology::Box box = inflated(box_of(place), set_.margin_);
   std::unique_ptr<topology::ScalarField> own = field.restricted_to(box);
   if (c.height <= options_.block_levels) {
-    check_cancel();
+    execution_.check_cancel();
     fill(place, *own, part);
     report(c.leaves);
     if (part.bricks.empty()) return part;

@@ -45,8 +45,6 @@ class BrickBuilder {
   const Content& examine(std::uint32_t node);
   static Place child_of(const Place& p, std::uint32_t node, std::uint32_t i);
   topology::Box box_of(const Place& p) const;
-  // Throws Cancelled where that is asked for.
-  void check_cancel() const;
   // So many more leaves are done.
   void report(std::uint32_t leaves) const;
   Part descend(const Place& place, const topology::ScalarField& field) const;

@@ -50,8 +50,7 @@ class Refinement {
   // `above` are the bounds of the parent and of its parent.
   double bound(const topology::ScalarField& field, const topology::Box& box, int depth,
                std::array<double, 2> above) {
-    if (execution_.cancel != nullptr && execution_.cancel->load(std::memory_order_relaxed))
-      throw topology::Cancelled();
+    execution_.check_cancel();
     const std::unique_ptr<topology::ScalarField> own = field.restricted_to(box);
     const double bound_here = bound_of(*own, box);
     // Cells as small as those that were sampled are below the field's features: errors of models
