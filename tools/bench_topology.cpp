@@ -63,10 +63,10 @@ int run(const Options& options, const Session& session) {
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
-  const geom::Hypertexture hypertexture =
-      render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
   topology::Execution execution;
   execution.cancel = session.cancel;
+  const geom::Hypertexture hypertexture = render::read_hypertexture(
+      document, render::find_hypertexture(document, options.geometry), execution);
   execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
   };
@@ -116,8 +116,7 @@ TopologyBench bench_topology(const geom::Hypertexture& hypertexture, int resolut
   std::atomic<std::uint64_t> positive{0};
   const auto begin = Clock::now();
   tbb::parallel_for(0, blocks * blocks * blocks, [&](int b) {
-    if (execution.cancel != nullptr && execution.cancel->load(std::memory_order_relaxed))
-      throw topology::Cancelled();
+    execution.check_cancel();
     const Imath::V3d place(b % blocks, b / blocks % blocks, b / (blocks * blocks));
     positive += evaluate_block(*hypertexture.field, box.min + step * place * double{kBlock}, step);
   });

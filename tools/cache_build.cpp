@@ -85,10 +85,11 @@ class Builder {
  public:
   Builder(const Options& options, const Session& session)
       : options_(options),
-        session_(session),
         reporter_(options.reporting),
         document_(options.scene.scene, overrides()),
         engine_(topology::engine_named(options.engine)) {
+    execution_.cancel = session.cancel;
+    execution_.max_bytes = bytes_of(options.max_memory);
     engine_.perturbation = options.perturbation;
     engine_.audit.mesh = options.euler != "octree";
     if (options.euler == "mesh") engine_.audit.mesh_leaves = kAnyNumber;
@@ -98,7 +99,8 @@ class Builder {
     const auto threads = limit_threads(options_.threads);
     std::set<std::string> done;
     for (const render::GeometryEntry& entry : selected()) {
-      const geom::Hypertexture hypertexture = render::read_hypertexture(document_, entry);
+      const geom::Hypertexture hypertexture =
+          render::read_hypertexture(document_, entry, execution_);
       if (!done.insert(hypertexture.hash).second) {
         reporter_.info(fmt::format("{}: the same field as another geometry", entry.name));
         continue;
@@ -140,9 +142,7 @@ class Builder {
     const std::string reason = reason_to_build(found, own_name, options_.force, engine_);
     if (!reason.empty()) {
       reporter_.debug(fmt::format("{}: {} is {}", hypertexture.name, file.string(), reason));
-      topology::Execution execution;
-      execution.cancel = session_.cancel;
-      execution.max_bytes = static_cast<std::uint64_t>(options_.max_memory * 0x1p30);
+      topology::Execution execution = execution_;
       execution.progress = [&](double fraction, const char* phase) {
         reporter_.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
       };
@@ -219,10 +219,10 @@ class Builder {
   }
 
   const Options& options_;
-  const Session& session_;
   Reporter reporter_;
   render::SceneDocument document_;
   topology::EngineOptions engine_;
+  topology::Execution execution_;
   nlohmann::json results_ = nlohmann::json::array();
   std::string not_compared_;  // what to fail with in the end
 };
@@ -281,12 +281,9 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "times as long; auto: with the mesh up to a million leaves")
       ->check(CLI::IsMember({"auto", "octree", "mesh"}))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--max-memory", options->max_memory,
-          "GiB that an octree may take while it is built; beyond, the build fails and leaves "
-          "what it has in FILE.partial")
-      ->check(CLI::Range(0.0, 1e6));
+  add_max_memory_option(*command, options->max_memory,
+                        "an octree may take while it is built; beyond, the build fails and leaves "
+                        "what it has in FILE.partial");
   command->add_flag("--json", options->json, "Print what `cache info --json` says of each cache");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

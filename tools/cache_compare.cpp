@@ -43,9 +43,9 @@ class Comparison {
     const auto threads = limit_threads(options_.threads);
     const render::SceneDocument document(options_.scene.scene, options_.scene.overrides());
     const render::GeometryEntry entry = render::find_hypertexture(document, options_.geometry);
-    const geom::Hypertexture rock = render::read_hypertexture(document, entry);
+    const geom::Hypertexture rock = render::read_hypertexture(document, entry, execution_);
     const topology::Box box = topology::dyadic_box(rock.certify.box);
-    cut_ = topology::place_where_cut(*rock.field, box);
+    cut_ = topology::place_where_cut(*rock.field, box, execution_);
     if (cut_)
       reporter_.warn(
           fmt::format("geometry \"{}\": its surface reaches its bounds near ({:.4g}, {:.4g}, "

@@ -26,14 +26,14 @@ struct Options {
 
 // The geometry that is named, else the one whose field the cache is of.
 geom::Hypertexture find_geometry(const render::SceneDocument& document, const Options& options,
-                                 const std::string& hash) {
+                                 const std::string& hash, const topology::Execution& execution) {
   if (!options.geometry.empty())
-    return render::read_hypertexture(document,
-                                     render::find_hypertexture(document, options.geometry));
+    return render::read_hypertexture(
+        document, render::find_hypertexture(document, options.geometry), execution);
   std::string found;
   for (const render::GeometryEntry& entry : render::list_geometries(document)) {
     if (entry.type != "hypertexture") continue;
-    geom::Hypertexture hypertexture = render::read_hypertexture(document, entry);
+    geom::Hypertexture hypertexture = render::read_hypertexture(document, entry, execution);
     if (hypertexture.hash == hash) return hypertexture;
     found +=
         fmt::format("{}{} ({})", found.empty() ? "" : ", ", hypertexture.name, hypertexture.hash);
@@ -46,16 +46,17 @@ geom::Hypertexture find_geometry(const render::SceneDocument& document, const Op
 int run(const Options& options, const Session& session) {
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
+  topology::Execution execution;
+  execution.cancel = session.cancel;
   const topology::TopologyCache cache = topology::read_cache(options.file);
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
-  const geom::Hypertexture hypertexture = find_geometry(document, options, cache.field_hash);
+  const geom::Hypertexture hypertexture =
+      find_geometry(document, options, cache.field_hash, execution);
   if (hypertexture.hash != cache.field_hash)
     throw topology::CacheError(
         fmt::format("{}: is the cache of another field: its fingerprint is "
                     "{}, that of {} is {}",
                     options.file, cache.field_hash, hypertexture.name, hypertexture.hash));
-  topology::Execution execution;
-  execution.cancel = session.cancel;
   execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
   };

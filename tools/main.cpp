@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "tools/commands.h"
+#include "tools/reporter.h"
 
 namespace {
 
@@ -37,7 +38,7 @@ std::filesystem::path renderer_executable() {
 int become_renderer(char** argv) {
   const std::filesystem::path program = renderer_executable();
   ::execv(program.c_str(), argv);
-  fmt::print(stderr, "morsel: error: {}: cannot run: {}\n", program.string(), std::strerror(errno));
+  say(fmt::format("morsel: error: {}: cannot run: {}\n", program.string(), std::strerror(errno)));
   return kFailed;
 }
 

@@ -27,6 +27,7 @@ struct Options {
   std::string keep;  // empty: as the scene says
   topology::MeshOptions mesh;
   int threads = 0;
+  double max_memory = 0.0;  // GiB; 0: no limit
   bool json = false;
 };
 
@@ -98,9 +99,13 @@ int run(const Options& options, const Session& session) {
   const std::string extension = std::filesystem::path(options.output).extension().string();
   if (extension != ".ply" && extension != ".glb")
     throw UsageError(fmt::format("-o {}: must end in .ply or .glb", options.output));
+  const auto threads = limit_threads(options.threads);
+  topology::Execution execution;
+  execution.cancel = session.cancel;
+  execution.max_bytes = bytes_of(options.max_memory);
   const render::SceneDocument document(options.scene.scene, options.scene.overrides());
-  const geom::Hypertexture hypertexture =
-      render::read_hypertexture(document, render::find_hypertexture(document, options.geometry));
+  const geom::Hypertexture hypertexture = render::read_hypertexture(
+      document, render::find_hypertexture(document, options.geometry), execution);
   topology::KeepRule keep = hypertexture.keep;
   if (!options.keep.empty()) {
     try {
@@ -109,12 +114,9 @@ int run(const Options& options, const Session& session) {
       throw UsageError(fmt::format("--keep {}: {}", options.keep, e.what()));
     }
   }
-  const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
   OutputFile file(options.output);
 
-  topology::Execution execution;
-  execution.cancel = session.cancel;
   execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("{}: {}", hypertexture.name, phase));
   };
@@ -158,6 +160,9 @@ void add_mesh(CLI::App& parent, Session& session) {
       ->check(CLI::Range(1, topology::kMaxDepth))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "File to write: .ply or .glb")->required();
+  add_max_memory_option(*command, options->max_memory,
+                        "the mesh, or the octree if it has to be labelled first, may take while it "
+                        "is made; beyond, the command fails and writes nothing");
   command->add_flag("--json", options->json, "Print one JSON document");
   add_threads_option(*command, options->threads);
   add_reporting_options(*command, options->reporting);

@@ -67,6 +67,11 @@ Reporter::~Reporter() {
   clear_bar();
 }
 
+void say(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+  std::fflush(stderr);
+}
+
 void Reporter::progress(double fraction, const std::string& phase) {
   if (style_ == Style::kNone) return;
   const std::lock_guard lock(mutex_);
@@ -91,27 +96,25 @@ void Reporter::draw(double fraction, const std::string& phase, double seconds) {
   const int percent = static_cast<int>(fraction * 100);
   if (style_ == Style::kBar) {
     const int filled = static_cast<int>(fraction * kBarWidth);
-    fmt::print(stderr, "\r\033[K{} [{:#<{}}{:{}}] {:3} %  {}{}", phase, "", filled, "",
-               kBarWidth - filled, percent, duration(seconds), remaining(fraction, seconds));
+    say(fmt::format("\r\033[K{} [{:#<{}}{:{}}] {:3} %  {}{}", phase, "", filled, "",
+                    kBarWidth - filled, percent, duration(seconds), remaining(fraction, seconds)));
     bar_shown_ = true;
     if (fraction >= 1) {
-      fmt::print(stderr, "\n");
+      say("\n");
       bar_shown_ = false;
     }
   } else if (style_ == Style::kPlain) {
-    fmt::print(stderr, "{}: {} % ({}{})\n", phase, percent, duration(seconds),
-               remaining(fraction, seconds));
+    say(fmt::format("{}: {} % ({}{})\n", phase, percent, duration(seconds),
+                    remaining(fraction, seconds)));
   } else {
     const nlohmann::json line = {{"phase", phase}, {"fraction", fraction}, {"seconds", seconds}};
-    fmt::print(stderr, "{}\n", line.dump());
+    say(line.dump() + "\n");
   }
-  std::fflush(stderr);
 }
 
 void Reporter::clear_bar() {
   if (!bar_shown_) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  say("\r\033[K");
   bar_shown_ = false;
 }
 

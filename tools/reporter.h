@@ -17,6 +17,10 @@ struct ReportingOptions {
 };
 void add_reporting_options(CLI::App& command, ReportingOptions& options);
 
+// Writes to stderr, or does nothing where that fails: a log on a disk that is full must not end
+// hours of work.
+void say(const std::string& text);
+
 // Progress and log messages, both on stderr. Methods may be called from any thread.
 class Reporter {
  public:

@@ -40,6 +40,12 @@ std::vector<render::Override> for_each_hypertexture(const std::string& scene,
   return overrides;
 }
 
+void add_max_memory_option(CLI::App& command, double& gib, const std::string& what) {
+  command.add_option("--max-memory", gib, "GiB that " + what)->check(CLI::Range(0.0, 1e6));
+}
+
+std::uint64_t bytes_of(double gib) { return static_cast<std::uint64_t>(gib * 0x1p30); }
+
 void add_threads_option(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Number of threads; 0: one a processor")
       ->check(CLI::Range(0, 4096))

@@ -3,6 +3,7 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ std::vector<render::Override> for_each_hypertexture(const std::string& scene,
                                                     const std::string& key,
                                                     const nlohmann::json& value,
                                                     const std::string& source);
+
+// --max-memory: GiB that `what` says; 0, which is the default, means no limit.
+void add_max_memory_option(CLI::App& command, double& gib, const std::string& what);
+std::uint64_t bytes_of(double gib);
 
 // --threads: 0 means all that the process may use.
 void add_threads_option(CLI::App& command, int& threads);

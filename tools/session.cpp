@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/session.h"
+#include "tools/reporter.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +16,7 @@ namespace morsel::tools {
 namespace {
 
 int fail(const std::string& message, int code) {
-  fmt::print(stderr, "morsel: error: {}\n", message);
+  say(fmt::format("morsel: error: {}\n", message));
   return code;
 }
 

@@ -44,11 +44,6 @@ Box dyadic_box(const Box& box) {
   return result;
 }
 
-MemoryLimit::MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes)
-    : std::runtime_error(fmt::format("the octree has reached {} nodes, which is as many as {} MiB "
-                                     "allow: allow more memory, a smaller box or a lower max_depth",
-                                     nodes, max_bytes >> 20)) {}
-
 NotFinite::NotFinite(const Imath::V3d& place, double value)
     : std::runtime_error(
           std::isfinite(value)

@@ -31,17 +31,21 @@ struct Execution {
   const std::atomic<bool>* cancel = nullptr;  // set to stop; then Cancelled is thrown
   std::function<void(double fraction, const char* phase)>
       progress;  // called from any thread, not concurrently
-  // Memory that the octree may take while it is built; beyond, MemoryLimit is thrown. 0: no limit.
+  // Memory that the octree, or the mesh, may take while it is made; beyond, MemoryLimit is thrown.
+  // 0: no limit.
   std::uint64_t max_bytes = 0;
   // Where finished trees are kept and taken from, or null. Trees are kept once the build has lasted
   // `checkpoint_after` seconds: what a short build loses is not worth the file.
   Checkpoint* checkpoint = nullptr;
   double checkpoint_after = 5.0;
+
+  // Throws Cancelled if that was asked for.
+  void check_cancel() const;
 };
 
 // Raised instead of taking more memory than the caller allowed.
 struct MemoryLimit : std::runtime_error {
-  MemoryLimit(std::uint64_t max_bytes, std::uint64_t nodes);
+  using std::runtime_error::runtime_error;
 };
 
 // Raised where the field, or what its models say of it, is not finite: no subdivision would end.
@@ -52,6 +56,10 @@ struct NotFinite : std::runtime_error {
 struct Cancelled : std::runtime_error {
   Cancelled() : std::runtime_error("cancelled") {}
 };
+
+inline void Execution::check_cancel() const {
+  if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) throw Cancelled();
+}
 
 // A cell or face that stayed undecided at the depth limit.
 struct Unresolved {

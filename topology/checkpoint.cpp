@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -85,10 +86,21 @@ Checkpoint::Checkpoint(const std::filesystem::path& path, const std::string& key
   fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd_ < 0)
     throw CacheError(fmt::format("{}: cannot open: {}", path.string(), std::strerror(errno)));
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(fd_);
+    fd_ = -1;
+    return;
+  }
   read(key);
 }
 
-Checkpoint::~Checkpoint() { ::close(fd_); }
+Checkpoint::~Checkpoint() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void Checkpoint::remove() {
+  if (fd_ >= 0) ::unlink(path_.c_str());
+}
 
 void Checkpoint::read(const std::string& key) {
   Header expected;
@@ -102,9 +114,10 @@ void Checkpoint::read(const std::string& key) {
   const bool ours = size >= sizeof header && read_at(fd_, 0, &header, sizeof header) &&
                     std::memcmp(&header, &expected, sizeof header) == 0;
   if (!ours) {
-    if (::ftruncate(fd_, 0) != 0 || !write_at(fd_, 0, &expected, sizeof expected))
-      throw CacheError(fmt::format("{}: cannot write: {}", path_.string(), std::strerror(errno)));
-    return;
+    if (::ftruncate(fd_, 0) == 0 && write_at(fd_, 0, &expected, sizeof expected)) return;
+    const int why = errno;
+    ::unlink(path_.c_str());  // there is nothing in it
+    fail_to_write(why);
   }
   std::vector<OctreeNode> nodes;
   for (Record record; size - end_ >= sizeof record;) {
@@ -122,11 +135,15 @@ void Checkpoint::read(const std::string& key) {
     places_[record.tree] = {begin, record.nodes};
     end_ = begin + record.nodes * sizeof(OctreeNode);
   }
-  if (::ftruncate(fd_, static_cast<off_t>(end_)) != 0)
-    throw CacheError(fmt::format("{}: cannot write: {}", path_.string(), std::strerror(errno)));
+  if (::ftruncate(fd_, static_cast<off_t>(end_)) != 0) fail_to_write(errno);
 }
 
-bool Checkpoint::is_empty() const { return end_ == sizeof(Header); }
+void Checkpoint::fail_to_write(int why) {
+  ::close(fd_);
+  throw CacheError(fmt::format("{}: cannot write: {}", path_.string(), std::strerror(why)));
+}
+
+bool Checkpoint::is_empty() const { return fd_ < 0 || end_ == sizeof(Header); }
 
 std::vector<OctreeNode> Checkpoint::take(std::uint32_t tree) {
   Place place;
@@ -144,6 +161,7 @@ std::vector<OctreeNode> Checkpoint::take(std::uint32_t tree) {
 void Checkpoint::save(std::uint32_t tree, const std::vector<OctreeNode>& nodes) {
   const Record record{tree, static_cast<std::uint32_t>(nodes.size()), checksum_of(tree, nodes)};
   const std::lock_guard lock(mutex_);
+  if (fd_ < 0) return;
   // The record last: a build that dies in between leaves one that its checksum refuses.
   if (write_at(fd_, end_ + sizeof record, nodes.data(), nodes.size() * sizeof(OctreeNode)) &&
       write_at(fd_, end_, &record, sizeof record))

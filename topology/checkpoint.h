@@ -14,7 +14,8 @@ namespace morsel::topology {
 // The trees of an octree that a build has finished, in a file beside the cache that it is for, so
 // that a build that is interrupted goes on where it was. Trees are appended as they are finished;
 // each carries a checksum, and what follows the first damaged one is cut off. A file of another
-// build is begun anew.
+// build is begun anew. One that another process works with is left alone: this build goes on
+// without.
 class Checkpoint {
  public:
   // `key` says what is built: everything that trees depend on. Throws CacheError when the file can
@@ -31,6 +32,8 @@ class Checkpoint {
   // How many trees were there when the file was opened.
   std::size_t found() const { return found_; }
   bool is_empty() const;
+  // Takes the file away, unless it is another process's.
+  void remove();
 
  private:
   struct Place {
@@ -38,6 +41,7 @@ class Checkpoint {
     std::uint32_t nodes = 0;  // 0: not there
   };
   void read(const std::string& key);
+  [[noreturn]] void fail_to_write(int why);  // of the constructor
 
   std::filesystem::path path_;
   std::mutex mutex_;

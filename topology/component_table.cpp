@@ -64,17 +64,13 @@ class Labelling {
         between_(pairs_.size()),
         first_(forest.trees.size() + 1, 0) {
     std::atomic<std::size_t> finished{0};
-    const auto check = [&] {
-      if (execution.cancel != nullptr && execution.cancel->load(std::memory_order_relaxed))
-        throw Cancelled();
-    };
     tbb::parallel_for(std::size_t{0}, trees_.size(), [&](std::size_t t) {
-      check();
+      execution.check_cancel();
       trees_[t] = label_tree(forest_.trees[t], forest_.box);
       ++finished;
     });
     tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t n) {
-      check();
+      execution.check_cancel();
       between_[n] = label_pair(forest_.trees[pairs_[n].lower], forest_.trees[pairs_[n].upper],
                                pairs_[n].axis);
       ++finished;
@@ -168,7 +164,7 @@ void label_components(const ScalarField& field, Forest& forest, const Execution&
     if (!topology.touches_box) topology.touches_box = tree.touches;
   }
   // A leaf's face need not show that S keeps off it: smaller pieces of the boundary may.
-  if (topology.touches_box) topology.touches_box = place_where_cut(field, forest.box);
+  if (topology.touches_box) topology.touches_box = place_where_cut(field, forest.box, execution);
 
   // One row per set of certainly joined pieces that hold solid, in order of the sets' first pieces.
   std::vector<std::uint32_t> row(count, kNoComponent);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/tree_builder.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -35,11 +36,6 @@ OctreeNode leaf_without_surface(Content content) {
 
 }  // namespace
 
-void TreeBuilder::check_cancel() const {
-  if (execution_.cancel != nullptr && execution_.cancel->load(std::memory_order_relaxed))
-    throw Cancelled();
-}
-
 void TreeBuilder::report(double volume) {
   if (!execution_.progress) return;
   const std::lock_guard lock(progress_mutex_);
@@ -53,7 +49,10 @@ void TreeBuilder::charge(const Tree& tree, std::size_t nodes_before) {
   const std::uint64_t added = tree.nodes.size() - nodes_before;
   const std::uint64_t nodes = nodes_.fetch_add(added, std::memory_order_relaxed) + added;
   if (execution_.max_bytes != 0 && nodes * kEach > execution_.max_bytes)
-    throw MemoryLimit(execution_.max_bytes, nodes);
+    throw MemoryLimit(fmt::format(
+        "the octree has reached {} nodes, which is as many as {} MiB allow: allow more memory, a "
+        "smaller box or a lower max_depth",
+        nodes, execution_.max_bytes >> 20));
 }
 
 bool TreeBuilder::must_divide(Content content, int depth) const {
@@ -70,7 +69,7 @@ void TreeBuilder::check_finite(const Box& cell, int depth, double value_error) c
 
 void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
                          std::vector<OctreeNode>& nodes, std::uint32_t index) {
-  check_cancel();
+  execution_.check_cancel();
   ModelBatch batch;
   BatchContent content;
   local.child_models(cell, kAllChildren, batch);
@@ -112,7 +111,7 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
 }
 
 void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
-  check_cancel();
+  execution_.check_cancel();
   if (execution_.checkpoint != nullptr) {
     tree.nodes = execution_.checkpoint->take(index);
     if (!tree.nodes.empty()) {
@@ -188,7 +187,7 @@ void TreeBuilder::resolve_between(Forest& forest) {
   const std::vector<TreePair> pairs = neighbouring_trees(forest);
   std::vector<bool> changed(forest.trees.size(), true);
   for (bool any = true; any;) {
-    check_cancel();
+    execution_.check_cancel();
     // What each pair finds, so that the result does not depend on the order of the pairs.
     struct Found {
       std::vector<std::uint32_t> lower, upper;
@@ -265,7 +264,7 @@ Forest TreeBuilder::plan() {
 }
 
 Forest TreeBuilder::build() {
-  check_cancel();
+  execution_.check_cancel();
   Forest forest = plan();
   tbb::parallel_for(std::size_t{0}, forest.trees.size(),
                     [&](std::size_t i) { grow(static_cast<std::uint32_t>(i), forest.trees[i]); });

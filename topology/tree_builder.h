@@ -45,7 +45,6 @@ class TreeBuilder {
   // Throws NotFinite where F, or all bounds of it, are not, given the error bound of the cell's
   // model.
   void check_finite(const Box& cell, int depth, double value_error) const;
-  void check_cancel() const;
   void charge(const Tree& tree, std::size_t nodes_before);
   void report(double volume);
 

@@ -54,13 +54,10 @@ class Verifier {
     ++report_.failure_count;
     if (report_.failures.size() < kListed) report_.failures.push_back(std::move(what));
   }
-  void check_cancel() const {
-    if (execution_.cancel != nullptr && execution_.cancel->load()) throw Cancelled();
-  }
 
   // Joins the leaves anew and compares with what is written.
   void check_labels() {
-    check_cancel();
+    execution_.check_cancel();
     Tree tree;
     tree.box = topology_.box;
     tree.nodes = topology_.nodes;
@@ -125,7 +122,7 @@ class Verifier {
         (topology_.components_hi && *topology_.components_hi < count))
       fail("the bounds of the number of components do not hold the number");
     // Where a leaf's own face does not show it, smaller pieces of the boundary may.
-    const bool touches = labels.touches && place_where_cut(field_, topology_.box);
+    const bool touches = labels.touches && place_where_cut(field_, topology_.box, execution_);
     if (topology_.touches_box.has_value() != touches)
       fail("whether the solid may reach the box's boundary is said wrongly");
   }
@@ -186,7 +183,7 @@ class Verifier {
     spread(spread, 0);
     double done = 0.0;
     tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
-      check_cancel();
+      execution_.check_cancel();
       Count count;
       descend(field_, tasks[i], wanted, count);
       const std::lock_guard lock(mutex_);
@@ -295,7 +292,7 @@ class Verifier {
 
   bool prove_parts(const ScalarField& field, const Box& box, Content claim, int levels) const {
     if (levels == 0) return false;
-    check_cancel();
+    execution_.check_cancel();
     for (int i = 0; i < 8; ++i) {
       const Box part = child_box(box, i);
       const std::unique_ptr<ScalarField> local = field.restricted_to(part);

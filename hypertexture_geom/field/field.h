@@ -61,8 +61,9 @@ struct Hypertexture {
 
 // Reads a geometry object {"name", "type": "hypertexture", "field", "bounds", "max_depth",
 // "min_depth", "keep", "solver", "membership", "cache"}. Throws params::InputError. Deriving the
-// box takes up to a few seconds.
-Hypertexture hypertexture_from_json(const nlohmann::json& json, const params::Place& place);
+// box takes a few seconds, with many layers of noise up to a minute; throws topology::Cancelled.
+Hypertexture hypertexture_from_json(const nlohmann::json& json, const params::Place& place,
+                                    const topology::Execution& execution = {});
 
 // The declaration that hypertexture_from_json reads by.
 const params::Declaration& hypertexture_declaration();

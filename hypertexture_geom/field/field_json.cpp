@@ -173,7 +173,8 @@ const params::Declaration& hypertexture_declaration() {
   return declaration;
 }
 
-Hypertexture hypertexture_from_json(const json& value, const Place& place) {
+Hypertexture hypertexture_from_json(const json& value, const Place& place,
+                                    const topology::Execution& execution) {
   const params::JsonReader reader(value, hypertexture_declaration(), place);
   Hypertexture h;
   h.name = reader.string("name");
@@ -202,7 +203,7 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place) {
     const std::optional<Box> outer = h.field->solid_bounds();
     if (!outer) place.fail("the field's solid is unbounded: give \"bounds\" {min, max}");
     if (!outer->isEmpty()) check_finite(*h.field, *outer, place / "field");
-    if (!outer->isEmpty()) h.certify.box = topology::find_solid(*h.field, *outer);
+    if (!outer->isEmpty()) h.certify.box = topology::find_solid(*h.field, *outer, execution);
     if (h.certify.box.isEmpty())
       (place / "field")
           .fail(

@@ -29,17 +29,49 @@ std::string file_name_part(const std::string& name) {
 }
 
 // Throws topology::CacheError when no file can be made beside `file`, so that this is known before
-// minutes of work and not after.
-void prepare_folder(const fs::path& file) {
+// minutes of work and not after. Returns whether it made the folder.
+bool prepare_folder(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::error_code error;
-  fs::create_directories(folder, error);
+  const bool made = fs::create_directories(folder, error);
   if (!error && ::access(folder.c_str(), W_OK | X_OK) != 0)
     error = std::error_code(errno, std::generic_category());
   if (!error && fs::is_directory(file)) error = std::make_error_code(std::errc::is_a_directory);
   if (error)
     throw topology::CacheError(fmt::format("{}: cannot write: {}", file.string(), error.message()));
+  return made;
 }
+
+// Where a cache is to be, and FILE.partial beside it, which keeps what a build of more than a few
+// seconds has done for the next one. What holds nothing in the end is removed: the checkpoint, and
+// the folder if it was made for it.
+class Partial {
+ public:
+  // Throws topology::CacheError.
+  Partial(const fs::path& file, const std::string& hash)
+      : folder_(prepare_folder(file) ? file.parent_path() : fs::path()),
+        checkpoint_(file.string() + ".partial", hash) {}
+  ~Partial() {
+    if (written_ || checkpoint_.is_empty()) checkpoint_.remove();
+    std::error_code ignored;  // it is not empty
+    if (!folder_.empty()) fs::remove(folder_, ignored);
+  }
+  Partial(const Partial&) = delete;
+  Partial& operator=(const Partial&) = delete;
+
+  topology::TopologyCache build(const geom::Hypertexture& hypertexture,
+                                topology::Execution execution,
+                                const topology::EngineOptions& engine) {
+    execution.checkpoint = &checkpoint_;
+    return geom::build_cache(hypertexture, execution, engine);
+  }
+  void is_written() { written_ = true; }
+
+ private:
+  fs::path folder_;  // empty: was there before
+  topology::Checkpoint checkpoint_;
+  bool written_ = false;
+};
 
 // Said of a solid that does not cross its bounds but is, or has pieces, outside of them.
 std::string solid_out_of_bounds(const geom::Hypertexture& hypertexture,
@@ -149,12 +181,24 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
                       hypertexture.name, document_.file().string()));
     case CacheState::kMissing: {
       stored.built = true;
-      topology::TopologyCache cache = geom::build_cache(hypertexture, execution);
-      try {
-        prepare_folder(stored.file);
-        topology::write_cache(cache, stored.file);
-      } catch (const topology::CacheError& e) {
+      const auto in_memory_only = [&](const topology::CacheError& e) {
         if (warn) warn(fmt::format("{}; going on with the cache in memory", e.what()));
+      };
+      std::optional<Partial> partial;
+      try {
+        partial.emplace(stored.file, hypertexture.hash);
+      } catch (const topology::CacheError& e) {
+        in_memory_only(e);
+      }
+      topology::TopologyCache cache = partial ? partial->build(hypertexture, execution, {})
+                                              : geom::build_cache(hypertexture, execution);
+      if (partial) {
+        try {
+          topology::write_cache(cache, stored.file);
+          partial->is_written();
+        } catch (const topology::CacheError& e) {
+          in_memory_only(e);
+        }
       }
       stored.cache = std::make_shared<const topology::TopologyCache>(std::move(cache));
       break;
@@ -166,23 +210,10 @@ StoredCache CacheStore::get(const geom::Hypertexture& hypertexture,
 std::shared_ptr<const topology::TopologyCache> build_and_write(
     const geom::Hypertexture& hypertexture, const fs::path& file,
     const topology::Execution& execution, const topology::EngineOptions& engine) {
-  prepare_folder(file);
-  const fs::path partial = file.string() + ".partial";
-  topology::TopologyCache cache;
-  {
-    topology::Checkpoint checkpoint(partial, hypertexture.hash);
-    topology::Execution with_checkpoint = execution;
-    with_checkpoint.checkpoint = &checkpoint;
-    try {
-      cache = geom::build_cache(hypertexture, with_checkpoint, engine);
-    } catch (...) {
-      // Kept for the next build, unless there is nothing in it.
-      if (checkpoint.is_empty()) fs::remove(partial);
-      throw;
-    }
-  }
+  Partial partial(file, hypertexture.hash);
+  topology::TopologyCache cache = partial.build(hypertexture, execution, engine);
   topology::write_cache(cache, file);
-  fs::remove(partial);
+  partial.is_written();
   return std::make_shared<const topology::TopologyCache>(std::move(cache));
 }
 

@@ -49,7 +49,8 @@ class CacheStore {
   using Warn = std::function<void(const std::string&)>;
   explicit CacheStore(const SceneDocument& document) : document_(document) {}
 
-  // Reads the cache, or builds and writes it when the file is missing. When the file cannot be
+  // Reads the cache, or builds and writes it, as build_and_write does, when the file is missing.
+  // When the file cannot be
   // written, warns and returns the cache all the same. A file that is there but damaged or of
   // another field is never replaced nor passed over: throws topology::CacheError. Also throws
   // topology::Cancelled.

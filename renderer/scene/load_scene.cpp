@@ -240,7 +240,8 @@ class SceneLoader {
       shape = make_sphere(static_cast<float>(reader.number("radius")),
                           static_cast<int>(reader.integer("segments")));
     } else {
-      const geom::Hypertexture hypertexture = read_hypertexture(document_, entry);
+      const geom::Hypertexture hypertexture =
+          read_hypertexture(document_, entry, options_.execution);
       if (problems_ != nullptr)
         check_cache(hypertexture);
       else if (used_[i])

@@ -119,10 +119,12 @@ std::filesystem::path resolve_for_writing(const SceneDocument& document, const s
 
 }  // namespace
 
-geom::Hypertexture read_hypertexture(const SceneDocument& document, const GeometryEntry& entry) {
+geom::Hypertexture read_hypertexture(const SceneDocument& document, const GeometryEntry& entry,
+                                     const topology::Execution& execution) {
   return document.explain([&] {
-    geom::Hypertexture hypertexture = geom::hypertexture_from_json(
-        document.root()["geometries"][entry.index], document.place() / "geometries" / entry.index);
+    geom::Hypertexture hypertexture =
+        geom::hypertexture_from_json(document.root()["geometries"][entry.index],
+                                     document.place() / "geometries" / entry.index, execution);
     if (!hypertexture.cache.empty())
       hypertexture.cache =
           resolve_for_writing(document, hypertexture.cache,

@@ -71,8 +71,9 @@ std::vector<GeometryEntry> list_geometries(const SceneDocument& document);
 GeometryEntry find_hypertexture(const SceneDocument& document, const std::string& name);
 
 // Everything about a hypertexture geometry; deriving its box can take seconds. `cache` is empty or
-// resolved against the scene's folder. Throws params::InputError.
-geom::Hypertexture read_hypertexture(const SceneDocument& document, const GeometryEntry& entry);
+// resolved against the scene's folder. Throws params::InputError and topology::Cancelled.
+geom::Hypertexture read_hypertexture(const SceneDocument& document, const GeometryEntry& entry,
+                                     const topology::Execution& execution = {});
 
 // Only its field: takes no time.
 std::shared_ptr<const geom::Field> read_field(const SceneDocument& document,

@@ -106,5 +106,23 @@ TEST(Command, AFullDiskIsAFailure) {
   EXPECT_EQ(run_morsel({"field", "eval", scene, "--points", "-"}, options).code, 1);
 }
 
+// Nor does a log that cannot be written change what a command does.
+TEST(Command, AFullDiskForMessagesChangesNothing) {
+  const TemporaryFolder folder;
+  CommandOptions full;
+  full.file_limit = 1;
+  EXPECT_EQ(run_morsel({"cache", "info", (folder / "none.topo").string()}, full).code, 1);
+  EXPECT_EQ(run_morsel({"cache", "info"}, full).code, 2);
+  // Progress, from any thread.
+  const std::string scene = folder.write("scene.json", kCommandScene).string();
+  full.output = "/dev/null";
+  const std::vector<std::string> compare{"cache", "compare", scene, "--engine", "certified"};
+  for (const char* style : {"bar", "plain", "json"}) {
+    std::vector<std::string> arguments = compare;
+    arguments.insert(arguments.end(), {"--progress", style});
+    EXPECT_EQ(run_morsel(arguments, full).code, 0) << style;
+  }
+}
+
 }  // namespace
 }  // namespace morsel::test

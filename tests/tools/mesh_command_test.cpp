@@ -151,6 +151,22 @@ TEST_F(MeshCommandTest, WrongUsageNamesWhatIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(ply_));
 }
 
+TEST_F(MeshCommandTest, MaxMemoryEndsItWithAMessageAndWithoutAFile) {
+  folder_.write("out.ply", "old");
+  // Of the labels that have to be made first, and of the mesh.
+  const CommandResult labels = mesh(rock_, {"--error", "0.03", "-o", ply_, "--max-memory", "1e-5"});
+  EXPECT_EQ(labels.code, 1);
+  EXPECT_NE(labels.err.find("octree"), std::string::npos) << labels.err;
+  const CommandResult result =
+      mesh(ball_, {"--error", "0.00001", "-o", ply_, "--max-memory", "0.001"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.err.find("the mesh has reached"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("1.02 MiB"), std::string::npos) << result.err;
+  EXPECT_EQ(read_text(ply_), "old");
+  EXPECT_EQ(mesh(ball_, {"--error", "0.01", "-o", ply_, "--max-memory", "1"}).code, 0);
+  EXPECT_EQ(mesh(ball_, {"--error", "0.01", "-o", ply_, "--max-memory", "-1"}).code, 2);
+}
+
 TEST_F(MeshCommandTest, WhatIsNotMetIsReported) {
   const CommandResult result =
       mesh(ball_, {"--error", "0.00001", "--max-depth", "4", "-o", ply_, "--json"});

@@ -14,6 +14,7 @@
 
 #include "tests/hypertexture_geom/test_fields.h"
 #include "tests/topology/blobs.h"
+#include "tests/topology/counted_field.h"
 #include "tests/topology/flood_fill.h"
 #include "topology/bound_solid.h"
 #include "topology/verify.h"
@@ -23,6 +24,7 @@ namespace {
 
 using testing::Blobs;
 using testing::Constant;
+using testing::Counted;
 using testing::flood_fill;
 
 Box cube(double half, const Imath::V3d& centre = Imath::V3d(0.0)) {
@@ -228,46 +230,6 @@ TEST(Certified, ReportsSolidThatTheBoxCuts) {
   ASSERT_TRUE(t.touches_box.has_value());
   EXPECT_DOUBLE_EQ(t.touches_box->z, 0.5);
 }
-
-// Derived bounds are proved free of solid, whatever the faces of the octree's cells show.
-TEST(Certified, PlainDensitiesDoNotTouchDerivedBounds) {
-  for (const nlohmann::json& density : std::vector<nlohmann::json>{
-           {{"type", "capsule"}, {"start", {-1, 0, 0}}, {"end", {1, 0, 0}}, {"radius", 0.5}},
-           {{"type", "rounded_box"}, {"half_size", {1, 0.7, 0.5}}, {"rounding", 0.2}},
-           {{"type", "torus"}, {"axis", {0, 1, 0}}, {"major_radius", 1}, {"minor_radius", 0.3}}}) {
-    const auto field = geom::testing::field_of({{"density", density}});
-    const Topology t = certify_in(*field, find_solid(*field, *field->solid_bounds()));
-    EXPECT_FALSE(t.touches_box.has_value()) << density;
-    EXPECT_EQ(t.components.size(), 1u) << density;
-    const VerifyReport report = verify(*field, t, {});
-    EXPECT_TRUE(report.passed()) << (report.failures.empty() ? "" : report.failures[0]);
-  }
-}
-
-// A field that calls `after` when its models, and those of all its restrictions, have been asked
-// for `count` times.
-class Counted final : public ScalarField {
- public:
-  struct Trigger {
-    std::atomic<int> count;
-    std::function<void()> after;
-  };
-  Counted(std::shared_ptr<const ScalarField> field, Trigger& trigger)
-      : field_(std::move(field)), trigger_(&trigger) {}
-  double value(const Imath::V3d& x) const override { return field_->value(x); }
-  Jet jet(const Imath::V3d& x) const override { return field_->jet(x); }
-  LocalModel model(const Box& box) const override {
-    if (--trigger_->count == 0) trigger_->after();
-    return field_->model(box);
-  }
-  std::unique_ptr<ScalarField> restricted_to(const Box& box) const override {
-    return std::make_unique<Counted>(field_->restricted_to(box), *trigger_);
-  }
-
- private:
-  std::shared_ptr<const ScalarField> field_;
-  Trigger* trigger_;
-};
 
 // At any moment of the work, while several threads are at it: the exception arrives, and nothing
 // else happens. (Loops nested in a cancelled one return as if they had run.)

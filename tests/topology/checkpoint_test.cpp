@@ -5,8 +5,10 @@
 #include "topology/checkpoint.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <tbb/task_arena.h>
 
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -95,6 +97,41 @@ TEST_F(Checkpoints, ThoseOfOtherBuildsAreNotUsed) {
   EXPECT_EQ(Checkpoint(path_, "another").found(), 0u);
   EXPECT_TRUE(Checkpoint(path_, "another").is_empty());
   EXPECT_THROW(Checkpoint(folder_.path() / "missing" / "x", "key"), CacheError);
+}
+
+// Builds at the same time: one keeps what it has done, the other leaves that alone.
+TEST_F(Checkpoints, AnotherProcesssIsLeftAlone) {
+  build();
+  Checkpoint first(path_, "key");
+  ASSERT_GT(first.found(), 0u);
+  const std::string before = bytes();
+  {
+    Checkpoint same_field(path_, "key"), other_field(path_, "another");
+    for (Checkpoint* second : {&same_field, &other_field}) {
+      EXPECT_EQ(second->found(), 0u);
+      EXPECT_TRUE(second->take(0).empty());
+      second->save(0, expected_.nodes);
+      EXPECT_TRUE(second->is_empty());
+      second->remove();
+    }
+  }
+  EXPECT_EQ(bytes(), before);
+  first.remove();
+  EXPECT_FALSE(fs::exists(path_));
+}
+
+// As on a disk that is full: nothing stays behind.
+TEST_F(Checkpoints, OnesThatCannotBeBegunAreNotThere) {
+  struct rlimit old = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &old), 0);
+  struct rlimit none = old;
+  none.rlim_cur = 1;
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  EXPECT_THROW(Checkpoint(path_, "key"), CacheError);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &old), 0);
+  EXPECT_FALSE(fs::exists(path_));
 }
 
 TEST_F(Checkpoints, TooLittleMemoryIsSaidAndWhatIsDoneIsKept) {

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "tests/hypertexture_geom/test_fields.h"
 #include "tests/topology/blobs.h"
+#include "tests/topology/counted_field.h"
 #include "topology/morse/classify.h"
 #include "topology/morse/membership.h"
 #include "topology/morse/morse_complex.h"
@@ -308,6 +311,23 @@ TEST(Classify, SignsOfEigenvalues) {
   EXPECT_EQ(type(1, 2, -3, 0.1), CriticalType::kSaddle1);
   EXPECT_EQ(type(1, 2, 3, 0.1), CriticalType::kMinimum);
   EXPECT_EQ(type(1e-3, 2, 3, 0.1), CriticalType::kDegenerate);
+}
+
+// Also within one subtree of the subdivision, which can be most of the work.
+TEST(Morse, CancelsDeepInTheSubdivision) {
+  std::atomic<bool> cancel{false};
+  Execution execution;
+  execution.cancel = &cancel;
+  SubdivisionOptions options;
+  options.box = {Imath::V3d(0.0), Imath::V3d(1.0)};
+  options.max_depth = 12;
+  options.max_unresolved = 100'000;
+  testing::Counted::Trigger stop{20'000, [&] { cancel = true; }};
+  const auto flat = std::make_shared<Constant>(0.0);
+  tbb::task_arena(1).execute([&] {
+    EXPECT_THROW(find_critical_points(testing::Counted(flat, stop), options, execution), Cancelled);
+  });
+  EXPECT_EQ(stop.count, 0);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "topology/mesh/cell_set.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -18,10 +19,14 @@ namespace {
 // sphere (whose second fundamental form has the Frobenius norm sqrt(2) / radius).
 constexpr double kLikelyError = 1.0 / 16.0;
 
+// What a cell takes in all: itself twice, its place in the index, its corners, edges, polygon and
+// triangles. Measured: 520 to 600 (topology/mesh/README.md).
+constexpr std::uint64_t kBytesOfCell = 600;
+
 }  // namespace
 
 std::vector<BoundedCell> labelled_cells(const OctreeView& octree, const Grid& grid,
-                                        const std::vector<bool>& kept) {
+                                        const std::vector<bool>& kept, const CellGoal& goal) {
   std::vector<BoundedCell> cells;
   octree.for_each_leaf([&](const OctreeView::Leaf& leaf) {
     const OctreeNode& node = octree.nodes[leaf.node];
@@ -32,8 +37,22 @@ std::vector<BoundedCell> labelled_cells(const OctreeView& octree, const Grid& gr
     c.cell = grid.cell(leaf.box, leaf.depth);
     c.cell.component = node.component;
     cells.push_back(c);
+    goal.check_memory(cells.size());
   });
   return cells;
+}
+
+void CellGoal::check_memory(std::uint64_t cells) const {
+  if (max_bytes != 0 && cells * kBytesOfCell > max_bytes)
+    throw MemoryLimit(
+        fmt::format("the mesh has reached {} cells, which is as many as {:.3g} MiB allow: allow "
+                    "more memory, a larger error or fewer components",
+                    cells, static_cast<double>(max_bytes) * 0x1p-20));
+}
+
+void CellSet::add(const BoundedCell& cell, std::vector<BoundedCell>& out) const {
+  goal_.check_memory(added_.fetch_add(1, std::memory_order_relaxed) + 1);
+  out.push_back(cell);
 }
 
 std::vector<MeshCell> CellSet::plain(const std::vector<BoundedCell>& cells) {
@@ -77,7 +96,7 @@ void CellSet::grow(const ScalarField& field, const MeshCell& cell,
   const std::optional<CellBounds> bounds = examine(field, cell);
   if (!bounds) return;
   if (cell.depth >= goal_.max_depth || is_fine(cell, *bounds))
-    out.push_back({cell, *bounds});
+    add({cell, *bounds}, out);
   else
     grow_children(field, cell, out);
 }
@@ -91,7 +110,7 @@ std::vector<BoundedCell> CellSet::grow_node(const ScalarField& field, std::uint3
     if (n.cell != kNoCell) grow(field, cells_[n.cell].cell, result);
     return result;
   }
-  check_cancel(execution);
+  execution.check_cancel();
   const std::uint32_t some_cell = index_.first_cell_below(node);
   if (some_cell == kNoCell) return result;
   MeshCell whole = place;
@@ -101,7 +120,7 @@ std::vector<BoundedCell> CellSet::grow_node(const ScalarField& field, std::uint3
     const std::optional<CellBounds> bounds = examine(field, whole);
     if (!bounds) return result;
     if (is_fine(whole, *bounds)) {
-      result.push_back({whole, *bounds});
+      add({whole, *bounds}, result);
       return result;
     }
   }
@@ -122,11 +141,13 @@ std::vector<BoundedCell> CellSet::grow_node(const ScalarField& field, std::uint3
 }
 
 std::vector<BoundedCell> CellSet::fine_cells(const Execution& execution) const {
+  added_ = 0;
   return grow_node(whole_, 0, MeshCell{}, execution);
 }
 
 std::vector<BoundedCell> CellSet::subdivided(const std::vector<bool>& marked,
                                              const Execution& execution) const {
+  added_ = 0;
   return collect_pieces<BoundedCell>(
       size(), execution, "subdividing",
       [&](std::size_t first, std::size_t last, std::vector<BoundedCell>& out) {
@@ -134,7 +155,7 @@ std::vector<BoundedCell> CellSet::subdivided(const std::vector<bool>& marked,
           if (marked[i])
             grow_children(field(static_cast<std::uint32_t>(i)), cells_[i].cell, out);
           else
-            out.push_back(cells_[i]);
+            add(cells_[i], out);
         }
       });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,17 +20,22 @@ struct BoundedCell {
   CellBounds bounds;
 };
 
-// The leaves of the labelled octree that hold something of a kept component, in depth-first order:
-// also those proved to be solid, which the surface of a level above 0 may enter.
-std::vector<BoundedCell> labelled_cells(const OctreeView& octree, const Grid& grid,
-                                        const std::vector<bool>& kept);
-
 // What the cells of a mesh have to satisfy.
 struct CellGoal {
   double error = 0.0;  // see MeshOptions
   int max_depth = 0;   // likewise
   double level = 0.0;  // the surface is where the field, plus this, is zero: see LevelField
+  std::uint64_t max_bytes = 0;  // that the mesh may take while it is made; 0: no limit
+
+  // Throws MemoryLimit when so many cells, and what becomes of them, take more than that.
+  void check_memory(std::uint64_t cells) const;
 };
+
+// The leaves of the labelled octree that hold something of a kept component, in depth-first order:
+// also those proved to be solid, which the surface of a level above 0 may enter. Throws
+// MemoryLimit.
+std::vector<BoundedCell> labelled_cells(const OctreeView& octree, const Grid& grid,
+                                        const std::vector<bool>& kept, const CellGoal& goal);
 
 // Disjoint cells that together hold all of the kept surface, with an index and restricted fields. A
 // cell is *fine* if it is resolved and the error is likely to be met in it.
@@ -63,6 +69,7 @@ class CellSet {
                                       const Execution& execution) const;
 
  private:
+  void add(const BoundedCell& cell, std::vector<BoundedCell>& out) const;
   static std::vector<MeshCell> plain(const std::vector<BoundedCell>& cells);
   // What is known of the cell; nothing if it is proved to hold no surface.
   std::optional<CellBounds> examine(const ScalarField& field, const MeshCell& cell) const;
@@ -82,6 +89,7 @@ class CellSet {
   std::vector<BoundedCell> cells_;
   CellIndex index_;
   FieldBlocks fields_;
+  mutable std::atomic<std::uint64_t> added_{0};  // cells of the next set
 };
 
 }  // namespace morsel::topology::meshing

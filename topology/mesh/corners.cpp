@@ -26,7 +26,7 @@ Corners::Corners(const CellSet& cells, const Execution& execution)
                               static_cast<std::uint32_t>(8 * c + i)};
   });
   tbb::parallel_sort(records.begin(), records.end());
-  check_cancel(execution);
+  execution.check_cancel();
   std::vector<std::uint32_t> owner;  // slot of each distinct corner's first cell
   for (std::size_t r = 0; r < records.size(); ++r) {
     if (r == 0 || records[r].point != records[r - 1].point) owner.push_back(records[r].slot);

@@ -176,9 +176,9 @@ Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std:
     throw std::invalid_argument(
         fmt::format("the depth limit of a mesh must lie between 0 and {}", kMaxDepth));
   const Grid grid(octree.box);
-  std::vector<BoundedCell> cells = labelled_cells(octree, grid, kept);
-  const CellGoal goal{options.error, options.max_depth,
-                      level_for(field, grid, cells, options.error)};
+  CellGoal goal{options.error, options.max_depth, 0.0, execution.max_bytes};
+  std::vector<BoundedCell> cells = labelled_cells(octree, grid, kept, goal);
+  goal.level = level_for(field, grid, cells, options.error);
   const LevelField<const ScalarField*> level_field(&field, goal.level);
   cells = CellSet(level_field, grid, std::move(cells), goal).fine_cells(execution);
   for (;;) {

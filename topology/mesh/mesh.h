@@ -44,7 +44,7 @@ struct Mesh {
 // The surface of the components with kept[id], within the octree's box. `octree` was labelled for
 // `field`; cells that hold nothing kept are not looked at. Runs in the caller's TBB arena; the
 // result does not depend on the number of threads. Throws std::invalid_argument unless the error is
-// positive, MeshOpen when the box cuts a kept component, Cancelled.
+// positive, MeshOpen when the box cuts a kept component, MemoryLimit, Cancelled.
 Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std::vector<bool>& kept,
                   const MeshOptions& options, const Execution& execution = {});
 

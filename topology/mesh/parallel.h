@@ -13,11 +13,6 @@
 
 namespace morsel::topology::meshing {
 
-inline void check_cancel(const Execution& execution) {
-  if (execution.cancel != nullptr && execution.cancel->load(std::memory_order_relaxed))
-    throw Cancelled();
-}
-
 // Calls body(first, last) for consecutive pieces of [0, size), in parallel. Looks for cancellation
 // between the pieces and reports progress when `phase` is given.
 template <class Body>
@@ -27,7 +22,7 @@ void for_pieces(std::size_t size, const Execution& execution, const char* phase,
   std::mutex mutex;
   std::size_t done = 0;
   tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t i) {
-    check_cancel(execution);
+    execution.check_cancel();
     body(i * kPiece, std::min(size, (i + 1) * kPiece));
     if (phase == nullptr || !execution.progress) return;
     const std::lock_guard lock(mutex);

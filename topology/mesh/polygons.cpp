@@ -107,7 +107,7 @@ Polygons find_polygons(const CellSet& cells, const std::vector<CutEdge>& edges,
       });
   tbb::parallel_sort(crossings.begin(), crossings.end(),
                      [](const Crossing& a, const Crossing& b) { return a.order() < b.order(); });
-  check_cancel(execution);
+  execution.check_cancel();
 
   std::vector<Step> steps;
   steps.reserve(crossings.size());
@@ -122,7 +122,7 @@ Polygons find_polygons(const CellSet& cells, const std::vector<CutEdge>& edges,
   tbb::parallel_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
     return std::tie(a.cell, a.from, a.to) < std::tie(b.cell, b.from, b.to);
   });
-  check_cancel(execution);
+  execution.check_cancel();
 
   Polygons polygons;
   std::vector<Step> of_cell;

@@ -198,8 +198,7 @@ OctreeEuler octree_euler(const ScalarField& field, const Topology& topology,
   tbb::enumerable_thread_specific<Counter> counters([&] { return Counter(field, topology); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
-                      if (execution.cancel != nullptr && execution.cancel->load())
-                        throw Cancelled();
+                      execution.check_cancel();
                       Counter& counter = counters.local();
                       for (std::size_t i = range.begin(); i < range.end(); ++i)
                         counter.count(octree, leaves[i]);

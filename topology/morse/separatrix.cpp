@@ -111,7 +111,7 @@ void trace_separatrices(const ScalarField& field, MorseComplex& complex, bool pa
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, points.size(), 16),
       [&](const tbb::blocked_range<std::size_t>& range) {
-        if (execution.cancel != nullptr && execution.cancel->load()) throw Cancelled();
+        execution.check_cancel();
         StreamlineTracer tracer(field, complex.box, points, maxima);
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           const auto from = static_cast<std::uint32_t>(i);

@@ -80,7 +80,7 @@ std::uint64_t for_each_sign_slab(const ScalarField& field, const Box& box, int n
   Sampler sampler(field, box, n);
   std::vector<std::uint8_t> signs(layer * kBlock), last(layer);
   for (int first = 0; first <= n; first += kBlock) {
-    if (execution.cancel != nullptr && execution.cancel->load()) throw Cancelled();
+    execution.check_cancel();
     if (execution.progress) execution.progress(first / (n + 1.0), "sampling");
     const int count = std::min(kBlock, n + 1 - first);
     sampler.fill(first, count, signs);

@@ -110,8 +110,7 @@ void label_by_streamlines(const ScalarField& field, MorseComplex& complex, Topol
   if (execution.progress) execution.progress(0.0, "ascents from cells");
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kGrain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
-                      if (execution.cancel != nullptr && execution.cancel->load())
-                        throw Cancelled();
+                      execution.check_cancel();
                       FieldDescent fields(field, topology.box);
                       StreamlineTracer tracer = membership.make_tracer();
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {

@@ -122,8 +122,7 @@ class Subdivision {
 
   void descend(const ScalarField& field, const Box& box, int depth, const Known& known,
                Harvest& harvest) {
-    if (depth <= kTaskDepth && execution_.cancel != nullptr && execution_.cancel->load())
-      throw Cancelled();
+    execution_.check_cancel();
     const double volume = std::ldexp(1.0, -3 * depth);
     if (!undecided(field, box, known, harvest)) {
       if (depth <= kTaskDepth) progress(volume);

@@ -259,6 +259,22 @@ TEST(Mesh, WrongArgumentsAndCancelling) {
   EXPECT_THROW(extract_mesh(*field, t.octree(), {true}, options, execution), Cancelled);
 }
 
+// Both of the labelled cells that it starts from and of those that it makes.
+TEST(Mesh, StopsBeforeItTakesMoreMemoryThanAllowed) {
+  const auto field = field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
+  const Topology t = certify_in(*field, cube(1.3));
+  MeshOptions options;
+  options.error = 1e-4;
+  const std::uint64_t cells = extract_mesh(*field, t.octree(), {true}, options).cells;
+  Execution execution;
+  for (const std::uint64_t bytes : {std::uint64_t{1}, 100 * cells, 599 * cells}) {
+    execution.max_bytes = bytes;
+    EXPECT_THROW(extract_mesh(*field, t.octree(), {true}, options, execution), MemoryLimit);
+  }
+  execution.max_bytes = 601 * cells;
+  EXPECT_EQ(extract_mesh(*field, t.octree(), {true}, options, execution).cells, cells);
+}
+
 TEST(Mesh, ADepthLimitThatIsTooShallowIsReported) {
   const auto field = field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
   const Mesh mesh = mesh_of(*field, certify_in(*field, cube(1.3)), 1e-4, "all", 5);
