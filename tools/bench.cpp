@@ -8,6 +8,7 @@
 
 #include "renderer/scene/load_scene.h"
 #include "renderer/scene/scene_json.h"
+#include "tools/bench_mixed.h"
 #include "tools/bench_page.h"
 #include "tools/bench_renderer.h"
 #include "tools/bench_sweeps.h"
@@ -25,11 +26,10 @@ struct Options {
   ReportingOptions reporting;
   std::string geometry;
   VsMeshOptions vs_mesh;
-  int render_width = 320;
-  int render_spp = 4;
+  SmallRender render;
   int threads = 0;
   int layers = 0;
-  bool scaling = false, json = false;
+  bool mixed = false, scaling = false, json = false;
   std::string html;
 };
 
@@ -45,6 +45,17 @@ bool has_hypertexture(const render::SceneDocument& document) {
   for (const render::GeometryEntry& entry : render::list_geometries(document))
     if (entry.type == "hypertexture") return true;
   return false;
+}
+
+void print_mixed(const nlohmann::json& result) {
+  if (!result.contains("mixed")) return;
+  const nlohmann::json& m = result["mixed"];
+  std::cout << fmt::format(
+      "  the scene {:.3f} of the samples/s of the same with meshes ({:.3f} to {:.3f}): {:.3g} "
+      "against {:.3g}; {} triangles\n",
+      m["ratio"].get<double>(), m["spread"][0].get<double>(), m["spread"][1].get<double>(),
+      m["samples_per_second"]["mixed"].get<double>(), m["samples_per_second"]["mesh"].get<double>(),
+      m["triangles"].get<std::uint64_t>());
 }
 
 void print_vs_mesh(const nlohmann::json& result) {
@@ -86,9 +97,10 @@ void print_sweeps(const nlohmann::json& result) {
           row["evaluations_per_ray"].get<double>());
 }
 
-void write_page(const std::string& name, const nlohmann::json& result) {
+void write_page(const std::string& name, const nlohmann::json& result,
+                const std::vector<BenchPicture>& pictures) {
   OutputFile file(name);
-  file.stream() << bench_page(result);
+  file.stream() << bench_page(result, pictures);
   file.commit();
 }
 
@@ -105,6 +117,8 @@ int run(const Options& options, const Session& session) {
         document, render::find_hypertexture(document, options.geometry), execution);
   if (options.scaling && !camera)
     throw UsageError("--scaling: the scene has no camera, so there is no render to measure");
+  if (options.mixed && !(camera && hypertexture))
+    throw UsageError("--mixed: needs a scene with a camera and a hypertexture");
   if (options.layers > 0 && !(camera && hypertexture))
     throw UsageError("--layers: needs a scene with a camera and a hypertexture");
   const auto threads = limit_threads(options.threads);
@@ -123,25 +137,33 @@ int run(const Options& options, const Session& session) {
   nlohmann::json result = nlohmann::json::object();
   if (hypertexture) result = bench_vs_mesh(*hypertexture, options.vs_mesh, execution, reporter);
   result["scene"] = options.scene.scene;
+  SmallRender small = options.render;
+  small.repetitions = options.vs_mesh.repetitions;
   if (scene) {
-    result["renderer"] = bench_renderer(*scene, options.render_width, options.render_spp,
-                                        options.vs_mesh.repetitions, reporter);
+    result["renderer"] = bench_renderer(*scene, small, reporter);
     result["renderer_efficiency"] = result["renderer"]["efficiency"];
   }
-  const SweepRender sweep{options.render_width, options.render_spp, options.vs_mesh.repetitions};
-  if (options.scaling) result["scaling"] = bench_scaling(*scene, sweep, execution, reporter);
+  std::vector<BenchPicture> pictures;
+  if (options.mixed) {
+    MixedBench bench =
+        bench_mixed(document, *scene, options.vs_mesh.error, small, execution, reporter);
+    result["mixed"] = std::move(bench.result);
+    pictures = std::move(bench.pictures);
+  }
+  if (options.scaling) result["scaling"] = bench_scaling(*scene, small, execution, reporter);
   if (options.layers > 0)
     result["layers"] = bench_layers(options.scene.scene, options.scene.overrides(),
-                                    hypertexture->name, options.layers, sweep, execution, reporter);
+                                    hypertexture->name, options.layers, small, execution, reporter);
   result["threads"] =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  if (!options.html.empty()) write_page(options.html, result);
+  if (!options.html.empty()) write_page(options.html, result, pictures);
   if (options.json) {
     std::cout << result.dump(2) << '\n';
     return kDone;
   }
   if (hypertexture) print_vs_mesh(result);
   print_renderer(result);
+  print_mixed(result);
   print_sweeps(result);
   if (!options.html.empty()) std::cout << options.html << '\n';
   return kDone;
@@ -171,13 +193,15 @@ void add_bench(CLI::App& parent, Session& session) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command
-      ->add_option("--render-width", options->render_width,
+      ->add_option("--render-width", options->render.width,
                    "Width of the picture whose rays are replayed")
       ->check(CLI::Range(1, 8192))
       ->capture_default_str();
-  command->add_option("--render-spp", options->render_spp, "Its samples a pixel")
+  command->add_option("--render-spp", options->render.spp, "Its samples a pixel")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
+  command->add_flag("--mixed", options->mixed,
+                    "Also the render against the same scene of meshes alone");
   command->add_flag("--scaling", options->scaling,
                     "Also the render with 1, 2, 4, ... threads up to all of the processor's");
   command

@@ -19,6 +19,7 @@ constexpr const char* kStyle =
     "table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:left;"
     "border-bottom:1px solid #ddd}td.n{text-align:right;font-variant-numeric:tabular-nums}"
     "svg{display:block;margin:1em 0;font:13px sans-serif}"
+    "figure{display:inline-block;margin:0 1em 1em 0}figcaption{color:#555}"
     "summary{cursor:pointer}pre{overflow:auto;background:#f6f6f6;padding:1em}";
 
 std::string escaped(const std::string& text) {
@@ -32,6 +33,21 @@ std::string escaped(const std::string& text) {
       out += "&gt;";
     else
       out += c;
+  }
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += k <= count ? kDigits[three >> (18 - 6 * k) & 63] : '=';
   }
   return out;
 }
@@ -179,6 +195,25 @@ std::string renderer_section(const json& r) {
       r["efficiency"].get<double>(), r["spread"][0].get<double>(), r["spread"][1].get<double>());
 }
 
+std::string mixed_section(const json& m, const std::vector<BenchPicture>& pictures) {
+  const json& rate = m["samples_per_second"];
+  std::string html = fmt::format(
+      "<h2>The scene / the same of meshes alone</h2>\n<p>{} hypertexture{} against {} triangles "
+      "within {:.3g} of what they are meshes of. Samples per second of the render, {:.4g} against "
+      "{:.4g}: above 1 the scene with hypertextures is faster.</p>\n",
+      m["hypertextures"].get<std::uint64_t>(), m["hypertextures"] == 1 ? "" : "s",
+      m["triangles"].get<std::uint64_t>(), m["relative_error"].get<double>(),
+      rate["mixed"].get<double>(), rate["mesh"].get<double>());
+  html += ratio_plot({{"render", m["ratio"].get<double>(), m["spread"][0].get<double>(),
+                       m["spread"][1].get<double>()}});
+  for (const BenchPicture& p : pictures)
+    html += fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption>"
+        "</figure>\n",
+        escaped(p.caption), base64(p.png));
+  return html;
+}
+
 // Rows of numbers by one of them.
 Line line_of(const json& rows, const char* x, const char* y, const char* name) {
   Line line{name, {}};
@@ -188,7 +223,7 @@ Line line_of(const json& rows, const char* x, const char* y, const char* name) {
 
 }  // namespace
 
-std::string bench_page(const json& result) {
+std::string bench_page(const json& result, const std::vector<BenchPicture>& pictures) {
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Morsel "
       "benchmark</title>\n<style>" +
@@ -197,6 +232,7 @@ std::string bench_page(const json& result) {
                       escaped(result["scene"].get<std::string>()), result["threads"].get<int>());
   if (result.contains("vs_mesh")) html += vs_mesh_section(result);
   if (result.contains("renderer")) html += renderer_section(result["renderer"]);
+  if (result.contains("mixed")) html += mixed_section(result["mixed"], pictures);
   if (result.contains("scaling"))
     html += "<h2>Threads</h2>\n<p>Samples per second of the render, against one thread.</p>\n" +
             line_plot({line_of(result["scaling"], "threads", "speedup", "measured"),

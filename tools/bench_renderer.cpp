@@ -9,20 +9,15 @@
 #include "renderer/integrator/render.h"
 #include "renderer/light/light_set.h"
 #include "renderer/material/material_set.h"
+#include "tools/bench_numbers.h"
 #include "tools/bench_rays.h"
 
 namespace morsel::tools {
 
-nlohmann::json bench_renderer(const render::LoadedScene& loaded, int width, int spp,
-                              int repetitions, Reporter& reporter) {
+nlohmann::json bench_renderer(const render::LoadedScene& loaded, const SmallRender& small,
+                              Reporter& reporter) {
   render::Scene scene = loaded.scene;
-  render::RenderSettings& settings = scene.settings;
-  if (settings.width > width) {
-    settings.height = std::max(1, settings.height * width / settings.width);
-    settings.width = width;
-  }
-  settings.spp = spp;
-  settings.crop.reset();
+  make_small(scene, small);
 
   reporter.debug("recording the rays of a render");
   render::RayLog log;
@@ -30,7 +25,7 @@ nlohmann::json bench_renderer(const render::LoadedScene& loaded, int width, int 
   log.stop();
 
   std::vector<double> efficiency, render_seconds, replay_seconds;
-  for (int i = 0; i < repetitions; ++i) {
+  for (int i = 0; i < small.repetitions; ++i) {
     reporter.debug("rendering, and replaying its rays");
     double start = processor_seconds();
     {
@@ -47,17 +42,12 @@ nlohmann::json bench_renderer(const render::LoadedScene& loaded, int width, int 
     replay_seconds.push_back(processor_seconds() - start);
     efficiency.push_back(replay_seconds.back() / render_seconds.back());
   }
-  const std::vector<double> in_order = [&] {
-    std::vector<double> sorted = efficiency;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted;
-  }();
-  return {{"efficiency", in_order[in_order.size() / 2]},
-          {"spread", {in_order.front(), in_order.back()}},
+  return {{"efficiency", median(efficiency)},
+          {"spread", spread(efficiency)},
           {"rays", log.size()},
-          {"width", settings.width},
-          {"height", settings.height},
-          {"spp", spp},
+          {"width", scene.settings.width},
+          {"height", scene.settings.height},
+          {"spp", small.spp},
           {"render_seconds", *std::min_element(render_seconds.begin(), render_seconds.end())},
           {"replay_seconds", *std::min_element(replay_seconds.begin(), replay_seconds.end())}};
 }

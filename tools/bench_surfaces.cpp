@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench_surfaces.h"
 
+#include <fmt/format.h>
+
 #include <malloc.h>
 
 #include <cstring>
@@ -43,6 +45,26 @@ BenchSurface trace_hypertexture(std::shared_ptr<const geom::Field> field,
   s.bvh_seconds = processor_seconds() - start;
   s.bvh_bytes = s.device->bytes() - before;
   return s;
+}
+
+topology::Box kept_bounds(const topology::Topology& topology, const std::vector<bool>& kept) {
+  topology::Box box;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (kept[i]) box.extendBy(topology.components[i].bounds);
+  return box;
+}
+
+topology::Mesh mesh_kept(const geom::Hypertexture& hypertexture, const topology::Topology& topology,
+                         double error, const topology::Execution& execution) {
+  const std::vector<bool> kept =
+      topology::kept_components(hypertexture.keep, topology.components, topology.octree());
+  const topology::Box box = kept_bounds(topology, kept);
+  if (box.isEmpty())
+    throw std::runtime_error(
+        fmt::format("{}: nothing is kept of it: nothing to measure", hypertexture.name));
+  topology::MeshOptions options;
+  options.error = error * (box.max - box.min).length();
+  return topology::extract_mesh(*hypertexture.field, topology.octree(), kept, options, execution);
 }
 
 BenchSurface trace_mesh(const topology::Mesh& mesh) {

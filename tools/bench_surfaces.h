@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "hypertexture_geom/embree/geometry.h"
+#include "hypertexture_geom/field/field.h"
 #include "renderer/accel/embree_handles.h"
 #include "topology/mesh/mesh.h"
 
@@ -26,6 +27,14 @@ struct BenchSurface {
 BenchSurface trace_hypertexture(std::shared_ptr<const geom::Field> field,
                                 std::shared_ptr<const topology::TopologyCache> cache,
                                 const geom::GeometryOptions& options);
+
+// The box of the cells of the kept components; empty when nothing is kept.
+topology::Box kept_bounds(const topology::Topology& topology, const std::vector<bool>& kept);
+
+// The mesh of what is kept, no farther than `error` of the diagonal of kept_bounds() from the
+// surface. Throws std::runtime_error that names the geometry when nothing is kept.
+topology::Mesh mesh_kept(const geom::Hypertexture& hypertexture, const topology::Topology& topology,
+                         double error, const topology::Execution& execution);
 
 // The triangles with float positions and 32-bit indices, built as the renderer builds meshes:
 // robust, high quality. Vertex normals are not counted: tracing needs none.

@@ -9,35 +9,12 @@
 #include <filesystem>
 
 #include "renderer/integrator/render.h"
+#include "tools/bench_numbers.h"
 
 namespace morsel::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-void make_small(render::Scene& scene, const SweepRender& sweep) {
-  render::RenderSettings& settings = scene.settings;
-  if (settings.width > sweep.width) {
-    settings.height = std::max(1, settings.height * sweep.width / settings.width);
-    settings.width = sweep.width;
-  }
-  settings.spp = sweep.spp;
-  settings.crop.reset();
-}
-
-render::RenderStatistics render_once(const render::Scene& scene, int threads,
-                                     const topology::Execution& execution) {
-  render::RenderOptions options;
-  options.threads = threads;
-  options.cancel = execution.cancel;
-  const render::RenderResult result = render::render(scene, options);
-  if (result.cancelled()) throw topology::Cancelled();
-  return result.statistics;
-}
-
-double samples_per_second(const render::RenderStatistics& statistics) {
-  return static_cast<double>(statistics.samples) / std::max(statistics.seconds_of("trace"), 1e-9);
-}
 
 // A file that goes with the object.
 class TemporaryCache {
@@ -59,36 +36,35 @@ class TemporaryCache {
 
 }  // namespace
 
-nlohmann::json bench_scaling(const render::LoadedScene& loaded, const SweepRender& sweep,
+nlohmann::json bench_scaling(const render::LoadedScene& loaded, const SmallRender& small,
                              const topology::Execution& execution, Reporter& reporter) {
   render::Scene scene = loaded.scene;
-  make_small(scene, sweep);
+  make_small(scene, small);
   const int all = oneapi::tbb::info::default_concurrency();
   std::vector<int> counts;
   for (int n = 1; n < all; n *= 2) counts.push_back(n);
   counts.push_back(all);
   std::vector<std::vector<double>> rates(counts.size());
-  for (int i = 0; i < sweep.repetitions; ++i)
+  for (int i = 0; i < small.repetitions; ++i)
     for (std::size_t k = 0; k < counts.size(); ++k) {
       reporter.debug(fmt::format("rendering with {} threads", counts[k]));
-      rates[k].push_back(samples_per_second(render_once(scene, counts[k], execution)));
+      rates[k].push_back(samples_per_second(render_once(scene, counts[k], execution).statistics));
     }
   nlohmann::json rows = nlohmann::json::array();
   for (std::size_t k = 0; k < counts.size(); ++k) {
-    std::sort(rates[k].begin(), rates[k].end());
-    const double median = rates[k][rates[k].size() / 2];
+    const double rate = median(rates[k]);
     rows.push_back({{"threads", counts[k]},
-                    {"samples_per_second", median},
-                    {"spread", {rates[k].front(), rates[k].back()}},
+                    {"samples_per_second", rate},
+                    {"spread", spread(rates[k])},
                     {"speedup", 1.0}});
-    rows.back()["speedup"] = median / rows.front()["samples_per_second"].get<double>();
+    rows.back()["speedup"] = rate / rows.front()["samples_per_second"].get<double>();
   }
   return rows;
 }
 
 nlohmann::json bench_layers(const std::string& scene,
                             const std::vector<render::Override>& overrides,
-                            const std::string& geometry, int most, const SweepRender& sweep,
+                            const std::string& geometry, int most, const SmallRender& small,
                             const topology::Execution& execution, Reporter& reporter) {
   nlohmann::json rows = nlohmann::json::array();
   for (int layers = 1; layers <= most; ++layers) {
@@ -102,8 +78,8 @@ nlohmann::json bench_layers(const std::string& scene,
     options.execution = execution;
     options.warn = [&](const std::string& message) { reporter.warn(message); };
     render::LoadedScene loaded = render::load_scene(scene, changed, options);
-    make_small(loaded.scene, sweep);
-    const render::RenderStatistics statistics = render_once(loaded.scene, 0, execution);
+    make_small(loaded.scene, small);
+    const render::RenderStatistics statistics = render_once(loaded.scene, 0, execution).statistics;
     const render::RayCost& camera = statistics.rays.costs[0];
     for (const render::HypertextureReport& h : loaded.hypertextures) {
       if (h.geometry != geometry) continue;

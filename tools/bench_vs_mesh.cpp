@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/bench_numbers.h"
 #include "tools/bench_rays.h"
 #include "tools/bench_surfaces.h"
 #include "topology/mesh/mesh.h"
@@ -30,25 +31,6 @@ RaySet sample_of(const RaySet& set, std::size_t count) {
   for (std::size_t i = stride / 2; i < set.rays.size(); i += stride)
     some.rays.push_back(set.rays[i]);
   return some;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-nlohmann::json spread(const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return {*low, *high};
-}
-
-// The box of the cells of the kept components.
-topology::Box kept_bounds(const topology::Topology& t, const std::vector<bool>& kept) {
-  topology::Box box;
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    if (kept[i]) box.extendBy(t.components[i].bounds);
-  return box;
 }
 
 // Share of the rays that only one of the two surfaces stops, and of those that both stop at
@@ -91,17 +73,12 @@ nlohmann::json bench_vs_mesh(const geom::Hypertexture& hypertexture, const VsMes
   const std::vector<bool> kept =
       topology::kept_components(hypertexture.keep, t.components, t.octree());
   const topology::Box box = kept_bounds(t, kept);
-  if (box.isEmpty())
-    throw std::runtime_error(
-        fmt::format("{}: nothing is kept of it: nothing to measure", hypertexture.name));
   const double size = (box.max - box.min).length();
 
   say("meshing");
-  topology::MeshOptions mesh_options;
-  mesh_options.error = options.error * size;
+  const double mesh_error = options.error * size;
   start = processor_seconds();
-  const topology::Mesh mesh =
-      topology::extract_mesh(*hypertexture.field, t.octree(), kept, mesh_options, execution);
+  const topology::Mesh mesh = mesh_kept(hypertexture, t, options.error, execution);
   const double mesh_seconds = processor_seconds() - start;
 
   say("building");
@@ -116,7 +93,7 @@ nlohmann::json bench_vs_mesh(const geom::Hypertexture& hypertexture, const VsMes
   const BenchSurface& ours = solvers.back();
 
   const RaySet primary = primary_rays(box, options.side);
-  const double offset = 2.0 * mesh_options.error;  // above both surfaces
+  const double offset = 2.0 * mesh_error;  // above both surfaces
   const RaySet sets[] = {
       primary, secondary_rays(*ours.hypertexture, ours.scene.get(), primary, offset, false),
       secondary_rays(*ours.hypertexture, ours.scene.get(), primary, offset, true)};
@@ -143,8 +120,7 @@ nlohmann::json bench_vs_mesh(const geom::Hypertexture& hypertexture, const VsMes
     vs_mesh["hits"][set.name] = static_cast<double>(cost.hits) / static_cast<double>(cost.rays);
     vs_mesh["rays_per_second"][set.name] = {{"hypertexture", median(our_rate)},
                                             {"mesh", median(mesh_rate)}};
-    if (!set.shadow)
-      vs_mesh["differs"][set.name] = disagreement(our_t, mesh_t, 4.0 * mesh_options.error);
+    if (!set.shadow) vs_mesh["differs"][set.name] = disagreement(our_t, mesh_t, 4.0 * mesh_error);
     const RaySet some = sample_of(set, kEvaluationRays);
     for (std::size_t k = 0; k < solvers.size(); ++k) {
       const RayCost c = trace(solvers[k].scene.get(), some);
@@ -156,7 +132,7 @@ nlohmann::json bench_vs_mesh(const geom::Hypertexture& hypertexture, const VsMes
   const double mesh_ready = mesh_seconds + triangles.bvh_seconds;
   vs_mesh["memory"] = static_cast<double>(ours.bytes()) / static_cast<double>(triangles.bytes());
   vs_mesh["ready_time"] = our_ready / mesh_ready;
-  vs_mesh["error"] = mesh_options.error;
+  vs_mesh["error"] = mesh_error;
   vs_mesh["relative_error"] = options.error;
   vs_mesh["size"] = size;
   vs_mesh["hypertexture"] = describe(ours);

@@ -51,14 +51,13 @@ done
 
 scenes=scenes/figures work=build/figures
 mkdir -p "$work" "$output"
-quality=()
-if [[ $quick == yes ]]; then quality=(--spp 4 --resolution 128x128); fi
 
-# render SCENE NAME FLAG...: a picture $work/NAME.png.
+# render SCENE NAME SPP SIZE FLAG...: a picture $work/NAME.png.
 render() {
-  local scene=$1 name=$2
-  shift 2
-  "$morsel" render "$scene" -o "$work/$name.exr" --log-level warn --progress none "$@" "${quality[@]}"
+  local scene=$1 name=$2 spp=$3 size=$4
+  shift 4
+  if [[ $quick == yes ]]; then spp=4 size=128x128; fi
+  "$morsel" render "$scene" -o "$work/$name.exr" --log-level warn --progress none --spp "$spp" --resolution "$size" "$@"
 }
 # mosaic COLUMNSxROWS FILE NAME...: the pictures side by side, as a JPEG.
 mosaic() {
@@ -73,7 +72,7 @@ build() {
 
 figure_1() {
   local a
-  for a in 01 03 08; do render "$scenes/figure1_a$a.json" "figure1_a$a" --spp 64 --resolution 400x400; done
+  for a in 01 03 08; do render "$scenes/figure1_a$a.json" "figure1_a$a" 64 400x400; done
   mosaic 3x1 figure1.jpg figure1_a{01,03,08}.png
 }
 
@@ -82,8 +81,8 @@ figure_2() {
   "$morsel" cache export "$work/table1_l1.topo" --csv -o "$work/table1_l1.csv"
   "$morsel" field sample "$scenes/table1_l1.json" --resolution 65 --progress none -o "$work/table1_l1.npy"
   python3 tools/figures/voxel_scene.py "$scenes/table1_l1.json" "$work/table1_l1.npy" "$work/table1_l1.csv" "$work"
-  render "$work/voxels.json" voxels
-  render "$work/certified.json" certified
+  render "$work/voxels.json" voxels 64 480x400
+  render "$work/certified.json" certified 64 480x400
   mosaic 2x1 figure2.jpg voxels.png certified.png
 }
 
@@ -101,23 +100,23 @@ network() {
 
 figure_3() {
   network "$scenes/figure3.json" figure3 0.02 maxima saddles separatrices
-  render "$work/figure3_network.json" figure3 --spp 64
+  render "$work/figure3_network.json" figure3 64 512x512
   mosaic 1x1 figure3.jpg figure3.png
 }
 
 figure_7() {
   network "$scenes/table1_l1.json" table1_l1 0.006 maxima separatrices
-  render "$work/table1_l1_network.json" figure7 --spp 16 --resolution 640x640
+  render "$work/table1_l1_network.json" figure7 16 640x640
   mosaic 1x1 figure7.jpg figure7.png
 }
 
 figure_8() {
   local l names=()
   for l in 1 3; do
-    render "$scenes/table1_l$l.json" "original_l$l" --spp 64 --resolution 400x400 --keep all \
+    render "$scenes/table1_l$l.json" "original_l$l" 64 400x400 --keep all \
       --set 'materials.debris.color=[0.55, 0.5, 0.45]'
-    render "$scenes/table1_l$l.json" "detached_l$l" --spp 64 --resolution 400x400 --keep all
-    render "$scenes/table1_l$l.json" "corrected_l$l" --spp 64 --resolution 400x400
+    render "$scenes/table1_l$l.json" "detached_l$l" 64 400x400 --keep all
+    render "$scenes/table1_l$l.json" "corrected_l$l" 64 400x400
   done
   for name in original detached corrected; do names+=("${name}_l1.png" "${name}_l3.png"); done
   mosaic 2x3 figure8.jpg "${names[@]}"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "command_scene.h"
@@ -91,8 +92,8 @@ TEST_F(BenchCommandTest, ThePageIsCompleteInItself) {
   const std::string page_file = (folder_ / "bench.html").string();
   const CommandResult result =
       run_morsel({"bench", rock_, "--error", "0.02", "--resolution", "32", "--repetitions", "1",
-                  "--render-width", "16", "--render-spp", "1", "--scaling", "--layers", "2",
-                  "--html", page_file, "--json"});
+                  "--render-width", "32", "--render-spp", "4", "--scaling", "--layers", "2",
+                  "--mixed", "--html", page_file, "--json"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json info = json::parse(result.out);
   ASSERT_EQ(info["layers"].size(), 2u);
@@ -105,16 +106,68 @@ TEST_F(BenchCommandTest, ThePageIsCompleteInItself) {
 
   const std::string page = read_text(page_file);
   EXPECT_EQ(page.rfind("<!DOCTYPE html>", 0), 0u);
-  EXPECT_EQ(count_of(page, "<svg class=\"plot\""), 4);
+  EXPECT_EQ(count_of(page, "<svg class=\"plot\""), 5);
   EXPECT_EQ(count_of(page, "<svg"), count_of(page, "</svg>"));
-  EXPECT_EQ(count_of(page, "<rect"), 5);      // a bar for each ratio
+  EXPECT_EQ(count_of(page, "<rect"), 6);      // a bar for each ratio
   EXPECT_EQ(count_of(page, "<polyline"), 4);  // speed-up and ideal, labels, evaluations
-  for (const char* bad : {"http://", "https://", "<script", "<link", "src=", "nan", "inf,"})
+  for (const char* bad : {"http://", "https://", "<script", "<link", ">nan<", ">inf<"})
     EXPECT_EQ(page.find(bad), std::string::npos) << bad;
+  // Pictures are in it: the base64 of a PNG's first bytes.
+  EXPECT_EQ(count_of(page, "src=\"data:image/png;base64,iVBORw0KGgo"), 2);
+  EXPECT_EQ(count_of(page, "src="), 2);
   // The bars say what the document says.
   char value[32];
   std::snprintf(value, sizeof value, ">%.3g</text>", info["vs_mesh"]["primary"].get<double>());
   EXPECT_NE(page.find(value), std::string::npos) << value;
+}
+
+// The scene's render against that of the same surface as triangles: the same picture.
+TEST_F(BenchCommandTest, AMixedSceneIsComparedWithMeshesAlone) {
+  const std::vector<std::string> small = {"--error",        "0.002", "--resolution", "16",
+                                          "--repetitions",  "1",     "--render-spp", "16",
+                                          "--render-width", "32",    "--mixed",      "--json"};
+  std::vector<std::string> arguments = {"bench", rock_, "--set",
+                                        "instances.0.detached_material=grey"};
+  arguments.insert(arguments.end(), small.begin(), small.end());
+  const CommandResult result = run_morsel(arguments);
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json mixed = json::parse(result.out)["mixed"];
+  EXPECT_EQ(mixed["hypertextures"], 1);
+  EXPECT_GT(mixed["triangles"], 1000);
+  EXPECT_GT(mixed["ratio"], 0.0);
+  const double ours = mixed["mean_luminance"]["mixed"], theirs = mixed["mean_luminance"]["mesh"];
+  EXPECT_GT(ours, 0.1);
+  EXPECT_NEAR(ours, theirs, 0.02 * theirs);
+  // Without what is compared, an error.
+  EXPECT_EQ(run_morsel({"bench", folder_.write("ball.json", kBallScene).string(), "--mixed"}).code,
+            2);
+}
+
+// What a browser makes of the page: it has all plots, and it can read the pictures.
+TEST_F(BenchCommandTest, ABrowserShowsThePage) {
+  if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "no chromium here";
+  const std::filesystem::path page = folder_ / "bench.html";
+  ASSERT_EQ(run_morsel({"bench", rock_, "--error", "0.02", "--resolution", "16", "--repetitions",
+                        "1", "--render-width", "16", "--render-spp", "1", "--scaling", "--mixed",
+                        "--html", page.string()})
+                .code,
+            0);
+  // Written out by the page itself once all is loaded: what is drawn, and how large.
+  std::string text = read_text(page);
+  const std::size_t end = text.find("</body>");
+  ASSERT_NE(end, std::string::npos);
+  text.insert(end, R"(<script>window.onload = () => { document.title = "shown:"
+    + [...document.querySelectorAll("svg.plot")].filter(s => s.getBBox().width > 100).length + ":"
+    + [...document.images].map(i => i.naturalWidth + "x" + i.naturalHeight).join(","); };</script>)");
+  const std::string probe = folder_.write("probe.html", text).string(),
+                    shown = (folder_ / "shown.html").string();
+  const std::string command = "HOME='" + folder_.path().string() +
+                              "' timeout 60 chromium --headless --no-sandbox --disable-gpu "
+                              "--dump-dom 'file://" +
+                              probe + "' >'" + shown + "' 2>/dev/null";
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  EXPECT_NE(read_text(shown).find("<title>shown:3:16x12,16x12</title>"), std::string::npos)
+      << read_text(shown).substr(0, 200);
 }
 
 }  // namespace
