@@ -94,5 +94,42 @@ TEST_F(CApi, Queries) {
             MORSEL_ERROR_INVALID_ARGUMENT);
 }
 
+// A ray along a face, a millionth above it: sphere tracing gives up, and says so.
+TEST(CApiStepLimits, AreCounted) {
+  RTCDevice device = rtcNewDevice(nullptr);
+  MorselField field = field_of(
+      R"({"field": {"density": {"type": "slab", "axis": [0, 0, 1], "half_thickness": 0.5}},
+          "bounds": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "max_depth": 5})");
+  MorselTopology topology = topology_of(field);
+  auto options = sized<MorselGeometryOptions>();
+  options.solver = MORSEL_SOLVER_SPHERE;
+  options.keep = "all";
+  MorselGeometry geometry = nullptr;
+  ASSERT_EQ(morsel_create_geometry(field, topology, &options, &geometry), MORSEL_OK);
+  MorselQuery query = nullptr;
+  ASSERT_EQ(morsel_create_query(geometry, device, &query), MORSEL_OK);
+  const auto limits = [&] {
+    auto info = sized<MorselGeometryInfo>();
+    EXPECT_EQ(morsel_geometry_info(geometry, &info), MORSEL_OK);
+    return info.step_limits;
+  };
+  std::int32_t found = -1;
+  const MorselRay across{{0.1f, 0.2f, 3}, {0, 0, -1}, 0, 100};
+  ASSERT_EQ(morsel_query_any_hit(query, &across, &found), MORSEL_OK);
+  EXPECT_EQ(found, 1);
+  EXPECT_EQ(limits(), 0u);
+  // Where the face is along this line, to within float.
+  MorselHit hit;
+  ASSERT_EQ(morsel_query_first_hit(query, &across, sizeof hit, &hit, &found), MORSEL_OK);
+  const MorselRay along{{-3, 0.2f, static_cast<float>(3.0 - hit.t + 1e-6)}, {1, 0, 0}, 0, 100};
+  ASSERT_EQ(morsel_query_any_hit(query, &along, &found), MORSEL_OK);
+  EXPECT_GT(limits(), 0u);
+  EXPECT_EQ(morsel_release_query(query), MORSEL_OK);
+  EXPECT_EQ(morsel_release_geometry(geometry), MORSEL_OK);
+  EXPECT_EQ(morsel_release_topology(topology), MORSEL_OK);
+  EXPECT_EQ(morsel_release_field(field), MORSEL_OK);
+  rtcReleaseDevice(device);
+}
+
 }  // namespace
 }  // namespace morsel::test
