@@ -35,7 +35,7 @@ struct Options {
   std::string engine = "certified";
   double perturbation = 0.0;
   std::string euler = "auto";
-  double max_memory = 0.0;  // GiB; 0: no limit
+  double max_memory = 0.0;  // GiB
 };
 
 // What the engines' audit said, or null when there was none.

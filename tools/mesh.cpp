@@ -27,7 +27,7 @@ struct Options {
   std::string keep;  // empty: as the scene says
   topology::MeshOptions mesh;
   int threads = 0;
-  double max_memory = 0.0;  // GiB; 0: no limit
+  double max_memory = 0.0;  // GiB
   bool json = false;
 };
 

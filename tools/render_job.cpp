@@ -17,6 +17,7 @@
 #include "tools/interrupt.h"
 #include "tools/preview.h"
 #include "tools/render_statistics.h"
+#include "tools/scene_options.h"
 #include "tools/watcher.h"
 
 namespace morsel::tools {
@@ -174,6 +175,7 @@ render::LoadedScene load_for_render(const RenderPlan& plan, Reporter& reporter,
                                     const std::atomic<bool>& cancel) {
   render::LoadOptions options;
   options.execution.cancel = &cancel;
+  options.execution.max_bytes = bytes_of(default_max_memory());  // of labels that are missing
   options.execution.progress = [&](double fraction, const char* phase) {
     reporter.progress(fraction, fmt::format("topology: {}", phase));
   };

@@ -2,6 +2,7 @@
 #include "tools/scene_options.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "renderer/scene/scene_json.h"
 
@@ -41,7 +42,17 @@ std::vector<render::Override> for_each_hypertexture(const std::string& scene,
 }
 
 void add_max_memory_option(CLI::App& command, double& gib, const std::string& what) {
-  command.add_option("--max-memory", gib, "GiB that " + what)->check(CLI::Range(0.0, 1e6));
+  gib = default_max_memory();
+  command
+      .add_option("--max-memory", gib,
+                  "GiB that " + what + "; 0: no limit; left out: 7/8 of the machine's memory")
+      ->check(CLI::Range(0.0, 1e6));
+}
+
+double default_max_memory() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || size <= 0) return 0.0;
+  return 0.875 * static_cast<double>(pages) * static_cast<double>(size) * 0x1p-30;
 }
 
 std::uint64_t bytes_of(double gib) { return static_cast<std::uint64_t>(gib * 0x1p30); }

@@ -32,8 +32,10 @@ std::vector<render::Override> for_each_hypertexture(const std::string& scene,
                                                     const nlohmann::json& value,
                                                     const std::string& source);
 
-// --max-memory: GiB that `what` says; 0, which is the default, means no limit.
+// --max-memory: GiB that `what` says; 0 means no limit, and `gib` becomes default_max_memory().
 void add_max_memory_option(CLI::App& command, double& gib, const std::string& what);
+// 7/8 of the machine's memory, in GiB: beyond, the system would end programs without a message.
+double default_max_memory();
 std::uint64_t bytes_of(double gib);
 
 // --threads: 0 means all that the process may use.

@@ -147,7 +147,7 @@ void write_cache(TopologyCache& cache, const std::filesystem::path& path) {
   cache.bytes = writer.publish();
 }
 
-TopologyCache read_cache(const std::filesystem::path& path) {
+TopologyCache read_cache(const std::filesystem::path& path, const Execution& execution) {
   const SectionFile file(path);
   file.require_known(kOwn);
   TopologyCache cache;
@@ -164,7 +164,7 @@ TopologyCache read_cache(const std::filesystem::path& path) {
   Topology& t = cache.topology;
   for (const ComponentRecord& r : file.read_records<ComponentRecord>(kComponents))
     t.components.push_back(component_of(r));
-  t.nodes = unpack_octree(file.read(kNodes), nodes, t.components.size(), file.name());
+  t.nodes = unpack_octree(file.read(kNodes), nodes, t.components.size(), file.name(), execution);
   check_octree(t, file.name());
   for (const SectionEntry& e : file.entries())
     if (std::find(std::begin(kOwn), std::end(kOwn), e.name) == std::end(kOwn))
@@ -172,8 +172,9 @@ TopologyCache read_cache(const std::filesystem::path& path) {
   return cache;
 }
 
-TopologyCache read_cache_of(const std::filesystem::path& path, const std::string& field_hash) {
-  TopologyCache cache = read_cache(path);
+TopologyCache read_cache_of(const std::filesystem::path& path, const std::string& field_hash,
+                            const Execution& execution) {
+  TopologyCache cache = read_cache(path, execution);
   if (cache.field_hash != field_hash)
     throw CacheError(
         fmt::format("{}: is the cache of another field: its fingerprint is {}, the scene's is {}; "

@@ -28,12 +28,13 @@ struct TopologyCache {
 // Writes to a temporary file beside `path`, then renames it. Sets cache.bytes. Throws CacheError.
 void write_cache(TopologyCache& cache, const std::filesystem::path& path);
 
-// Reads and validates everything: magic, version, sizes, checksums, node indices and counts. Throws
-// CacheError.
-TopologyCache read_cache(const std::filesystem::path& path);
+// Reads and validates everything: magic, version, sizes, checksums, node indices and counts. Of
+// `execution` cancel and progress ("reading") are used. Throws CacheError, Cancelled.
+TopologyCache read_cache(const std::filesystem::path& path, const Execution& execution = {});
 
 // As above, and throws CacheError naming both fingerprints when the cache is of another field.
-TopologyCache read_cache_of(const std::filesystem::path& path, const std::string& field_hash);
+TopologyCache read_cache_of(const std::filesystem::path& path, const std::string& field_hash,
+                            const Execution& execution = {});
 
 // What `morsel cache info --json` prints: the keys that DESIGN.md section 7 names.
 nlohmann::json describe(const TopologyCache& cache, const KeepRule& keep);

@@ -134,8 +134,12 @@ class Packer {
 class Unpacker {
  public:
   Unpacker(std::span<const std::byte> bytes, std::uint64_t count, std::uint64_t components,
-           const std::string& where)
-      : in_(bytes, where), count_(count), components_(components), where_(where) {
+           const std::string& where, const Execution& execution)
+      : in_(bytes, where),
+        count_(count),
+        components_(components),
+        where_(where),
+        execution_(execution) {
     if (count == 0 || count >= kNoComponent || count / 4 > bytes.size())
       bad(fmt::format("{} nodes in {} bytes", count, bytes.size()));
     nodes_.reserve(count);
@@ -189,12 +193,23 @@ class Unpacker {
     const auto first = static_cast<std::uint32_t>(nodes_.size());
     nodes_[index].first_child = first;
     for (int i = 0; i < 8; ++i) nodes_.push_back(get());
+    if (nodes_.size() >= next_report_) report();
     for (std::uint32_t i = 0; i < 8; ++i) below(first + i, depth + 1);
+  }
+
+  void report() {
+    if (execution_.progress)
+      execution_.progress(static_cast<double>(nodes_.size()) / static_cast<double>(count_),
+                          "reading");
+    execution_.check_cancel();
+    next_report_ += std::max<std::uint64_t>(count_ / 64, 1);
   }
 
   BitReader in_;
   std::uint64_t count_, components_;
   const std::string& where_;
+  const Execution& execution_;
+  std::uint64_t next_report_ = 0;
   std::vector<OctreeNode> nodes_;
   ComponentCoder coder_;
 };
@@ -206,8 +221,9 @@ std::vector<std::byte> pack_octree(std::span<const OctreeNode> nodes) {
 }
 
 std::vector<OctreeNode> unpack_octree(std::span<const std::byte> bytes, std::uint64_t nodes,
-                                      std::uint64_t components, const std::string& where) {
-  return Unpacker(bytes, nodes, components, where).run();
+                                      std::uint64_t components, const std::string& where,
+                                      const Execution& execution) {
+  return Unpacker(bytes, nodes, components, where, execution).run();
 }
 
 }  // namespace morsel::topology

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "topology/certified.h"
 #include "topology/octree.h"
 
 namespace morsel::topology {
@@ -16,8 +17,10 @@ std::vector<std::byte> pack_octree(std::span<const OctreeNode> nodes);
 
 // The octree back, in depth-first order of groups of siblings. `nodes` and `components` are the
 // numbers that there must be. Throws CacheError that begins with `where` on anything that is not
-// such a stream: too deep, too few or too many nodes, components that are not in the table.
+// such a stream: too deep, too few or too many nodes, components that are not in the table. Of
+// `execution` cancel and progress ("reading") are used.
 std::vector<OctreeNode> unpack_octree(std::span<const std::byte> bytes, std::uint64_t nodes,
-                                      std::uint64_t components, const std::string& where);
+                                      std::uint64_t components, const std::string& where,
+                                      const Execution& execution = {});
 
 }  // namespace morsel::topology

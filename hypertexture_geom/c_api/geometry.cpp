@@ -5,6 +5,7 @@
 
 #include "hypertexture_geom/c_api/call.h"
 #include "hypertexture_geom/c_api/objects.h"
+#include "hypertexture_geom/c_api/watch.h"
 #include "topology/components.h"
 
 namespace morsel::c_api {
@@ -44,6 +45,13 @@ geom::Membership membership_of(const MorselGeometryOptions& options) {
   }
 }
 
+// As HypertextureGeometry names them.
+std::vector<Phase> phases_of(const geom::GeometryOptions& options) {
+  const char* surface = options.solver == geom::Solver::kSphere ? "slopes" : "bricks";
+  if (options.membership != geom::Membership::kStreamline) return {{surface, 1.0}};
+  return {{surface, 0.4}, {"critical points", 0.4}, {"separatrices", 0.2}};
+}
+
 void require_primitive(const geom::HypertextureGeometry& geometry, uint32_t prim_id) {
   const std::uint64_t count = geometry.statistics().bricks;
   if (prim_id >= count)
@@ -64,15 +72,15 @@ MorselResult morsel_create_geometry(MorselField field, MorselTopology topology,
     const auto f = shared_object_of<FieldObject>(field);
     const auto t = shared_object_of<TopologyObject>(topology);
     require(geometry, "geometry");
-    const MorselGeometryOptions o = read_options(options, kGeometryOptionsV1);
+    const MorselGeometryOptions o =
+        read_options(options, kGeometryOptionsV1, "MorselGeometryOptions");
+    require_zero(o.reserved, "MorselGeometryOptions: reserved");
     if (t->cache->field_hash != f->hypertexture.hash)
       bad_argument("the topology is of the field " + t->cache->field_hash + ", not of " +
                    f->hypertexture.hash);
     if (!(o.far_distance >= 0.0 && o.far_distance <= 1e9))
       bad_argument("far_distance is " + std::to_string(o.far_distance) + ", not within 0 to 1e9");
-    if (o.threads > kMostThreads)
-      bad_argument("threads is " + std::to_string(o.threads) + ", more than " +
-                   std::to_string(kMostThreads));
+    require_threads(o.threads);
     morsel::geom::GeometryOptions r;
     r.keep = o.keep ? morsel::topology::KeepRule::parse(o.keep) : f->hypertexture.keep;
     r.solver = solver_of(o);
@@ -84,9 +92,13 @@ MorselResult morsel_create_geometry(MorselField field, MorselTopology topology,
         r.membership == morsel::geom::Membership::kOff
             ? std::vector<bool>(labels.components.size(), true)
             : morsel::topology::kept_components(r.keep, labels.components, labels.octree());
+    Watch watch(o, phases_of(r));
+    const morsel::topology::Execution execution = watch.execution();
     on_threads(o.threads, [&] {
-      object->geometry = std::make_unique<HypertextureGeometry>(f->hypertexture.field, t->cache, r);
+      object->geometry =
+          std::make_unique<HypertextureGeometry>(f->hypertexture.field, t->cache, r, execution);
     });
+    watch.finish();
     give(std::move(object), geometry);
   });
 }
@@ -114,7 +126,7 @@ MorselResult morsel_geometry_info(MorselGeometry geometry, MorselGeometryInfo* i
     r.padding = g.bounds_padding();
     for (const bool kept : object.kept) r.kept_components += kept;
     r.main_component = object.kept.empty() ? MORSEL_NO_COMPONENT : g.main_component();
-    write_struct(r, info, kGeometryInfoV1);
+    write_struct(r, info, kGeometryInfoV1, "MorselGeometryInfo");
   });
 }
 
@@ -176,7 +188,7 @@ MorselResult morsel_shade(MorselGeometry geometry, uint32_t prim_id, const float
     r.spawn_verified = s.spawn_verified;
     store(s.position, r.position);
     r.position_error = s.position_error;
-    write_struct(r, shading, kShadingV1);
+    write_struct(r, shading, kShadingV1, "MorselShading");
   });
 }
 
@@ -197,6 +209,6 @@ MorselResult morsel_shade_detail(MorselGeometry geometry, uint32_t prim_id, cons
     r.mean_curvature = d.curvature.mean;
     r.gaussian_curvature = d.curvature.gaussian;
     r.component = d.component;
-    write_struct(r, detail, kDetailV1);
+    write_struct(r, detail, kDetailV1, "MorselDetail");
   });
 }

@@ -46,6 +46,5 @@ void on_threads(std::uint32_t threads, const Body& body) {
   tbb::task_arena arena(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads));
   arena.execute(body);
 }
-inline constexpr std::uint32_t kMostThreads = 4096;
 
 }  // namespace morsel::c_api

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstring>
 
 #include "hypertexture_geom/c_api/call.h"
 #include "hypertexture_geom/c_api/objects.h"
@@ -22,7 +21,7 @@ struct QueryRay {
 };
 
 void write_hit(const QueryObject& query, const QueryRay& ray, const geom::SurfaceQuery::Hit& hit,
-               std::size_t size, char* out) {
+               void* out, std::size_t size) {
   MorselHit r{};
   r.t = hit.t;
   store(hit.gradient, r.gradient);
@@ -30,12 +29,11 @@ void write_hit(const QueryObject& query, const QueryRay& ray, const geom::Surfac
   r.component = query.geometry->geometry->component_at(
       hit.brick, Imath::V3d(ray.origin) + hit.t * Imath::V3d(ray.direction));
   r.entering = hit.entering;
-  std::memcpy(out, &r, std::min(size, sizeof r));
+  write_entry(r, out, size);
 }
 
 void require_hit_size(std::size_t size) {
-  if (size < kHitV1)
-    bad_argument("hit_size is " + std::to_string(size) + ", less than " + std::to_string(kHitV1));
+  require_struct_size(size, kHitV1, "MorselHit", "hit_size");
 }
 
 }  // namespace
@@ -80,7 +78,7 @@ MorselResult morsel_query_all_hits(MorselQuery query, const MorselRay* ray, size
     const auto found = object.query->all_hits(r.origin, r.direction, r.tnear, r.tfar);
     auto* out = reinterpret_cast<char*>(hits);
     for (size_t i = 0; i < std::min(found.size(), capacity); ++i)
-      write_hit(object, r, found[i], hit_size, out + i * hit_size);
+      write_hit(object, r, found[i], out + i * hit_size, hit_size);
     *count = found.size();
   });
 }
@@ -95,7 +93,7 @@ MorselResult morsel_query_first_hit(MorselQuery query, const MorselRay* ray, siz
     require_hit_size(hit_size);
     const QueryRay r(ray);
     const auto first = object.query->first_hit(r.origin, r.direction, r.tnear, r.tfar);
-    if (first) write_hit(object, r, *first, hit_size, reinterpret_cast<char*>(hit));
+    if (first) write_hit(object, r, *first, hit, hit_size);
     *found = first.has_value();
   });
 }

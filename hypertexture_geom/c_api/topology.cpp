@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -10,6 +9,7 @@
 
 #include "hypertexture_geom/c_api/call.h"
 #include "hypertexture_geom/c_api/objects.h"
+#include "hypertexture_geom/c_api/watch.h"
 #include "topology/cache_file.h"
 #include "topology/morse/morse_sections.h"
 
@@ -21,7 +21,7 @@ using topology::TopologyCache;
 
 constexpr std::size_t kBuildOptionsV1 = offsetof(MorselBuildOptions, engine);
 constexpr std::size_t kTopologyInfoV1 = offsetof(MorselTopologyInfo, critical_points);
-constexpr std::size_t kComponentV1 = sizeof(MorselComponent);
+constexpr std::size_t kComponentV1 = offsetof(MorselComponent, maxima);
 constexpr std::size_t kCriticalPointV1 = sizeof(MorselCriticalPoint);
 static_assert(MORSEL_CRITICAL_DEGENERATE ==
               static_cast<unsigned>(topology::CriticalType::kDegenerate));
@@ -51,31 +51,53 @@ topology::Engine engine_of(const MorselBuildOptions& options) {
   }
 }
 
+MorselBuildOptions read_build_options(const MorselBuildOptions* given) {
+  const MorselBuildOptions options = read_options(given, kBuildOptionsV1, "MorselBuildOptions");
+  require_zero(options.reserved, "MorselBuildOptions: reserved");
+  require_zero(options.reserved2, "MorselBuildOptions: reserved2");
+  require_threads(options.threads);
+  engine_of(options);
+  return options;
+}
+
+// The engines' phases as they name them, with what they took for equation (13), L = 1 to 3.
+std::vector<Phase> phases_of(topology::Engine engine) {
+  switch (engine) {
+    case topology::Engine::kMorse:
+      return {{"labelling", 0.4},
+              {"critical points", 0.3},
+              {"separatrices", 0.2},
+              {"ascents from cells", 0.1}};
+    case topology::Engine::kBoth:
+      return {{"labelling", 0.4}, {"critical points", 0.3}, {"separatrices", 0.2}, {"audit", 0.1}};
+    default:
+      return {{"labelling", 1.0}};
+  }
+}
+
 TopologyCache build(const geom::Hypertexture& hypertexture, const MorselBuildOptions& options) {
-  if (options.threads > kMostThreads)
-    bad_argument("threads is " + std::to_string(options.threads) + ", more than " +
-                 std::to_string(kMostThreads));
-  std::atomic<bool> cancel{options.cancel && options.cancel(options.user) != 0};
-  topology::Execution execution;
-  execution.cancel = &cancel;
-  if (options.progress || options.cancel)
-    execution.progress = [&](double fraction, const char* phase) {
-      if (options.progress) options.progress(options.user, fraction, phase);
-      if (options.cancel && options.cancel(options.user) != 0) cancel = true;
-    };
-  if (cancel) throw topology::Cancelled();
+  const topology::Engine engine = engine_of(options);
+  Watch watch(options, phases_of(engine));
+  const topology::Execution execution = watch.execution();
   TopologyCache cache;
-  on_threads(options.threads,
-             [&] { cache = geom::build_cache(hypertexture, execution, engine_of(options)); });
+  on_threads(options.threads, [&] { cache = geom::build_cache(hypertexture, execution, engine); });
+  watch.finish();
   return cache;
 }
 
+std::shared_ptr<TopologyObject> load(const FieldObject& field, const char* path,
+                                     const MorselBuildOptions& options) {
+  Watch watch(options, {{"reading", 1.0}});
+  auto object =
+      object_with(topology::read_cache_of(path, field.hypertexture.hash, watch.execution()), path);
+  watch.finish();
+  return object;
+}
+
 // Of functions that copy a part of a table of `size` entries, which are `stride` bytes apart.
-void require_range(const char* stride_name, size_t stride, size_t least_stride, size_t first,
-                   size_t count, size_t size) {
-  if (stride < least_stride)
-    bad_argument(std::string(stride_name) + " is " + std::to_string(stride) + ", less than " +
-                 std::to_string(least_stride));
+void require_range(const char* type, const char* stride_name, size_t stride, size_t least_stride,
+                   size_t first, size_t count, size_t size) {
+  require_struct_size(stride, least_stride, type, stride_name);
   if (first > size || count > size - first)
     bad_argument("entries " + std::to_string(first) + " and the " + std::to_string(count) +
                  " from there are not all within the table of " + std::to_string(size));
@@ -101,8 +123,7 @@ MorselResult morsel_build_topology(MorselField field, const MorselBuildOptions* 
   return call(field, [&] {
     const auto object = shared_object_of<FieldObject>(field);
     require(topology, "topology");
-    give(object_with(build(object->hypertexture, read_options(options, kBuildOptionsV1)),
-                     "the topology"),
+    give(object_with(build(object->hypertexture, read_build_options(options)), "the topology"),
          topology);
   });
 }
@@ -112,8 +133,18 @@ MorselResult morsel_load_topology(MorselField field, const char* path, MorselTop
     const auto& object = object_of<FieldObject>(field);
     require(path, "path");
     require(topology, "topology");
-    give(object_with(morsel::topology::read_cache_of(path, object.hypertexture.hash), path),
-         topology);
+    give(load(object, path, MorselBuildOptions{}), topology);
+  });
+}
+
+MorselResult morsel_load_topology_with(MorselField field, const char* path,
+                                       const MorselBuildOptions* options,
+                                       MorselTopology* topology) {
+  return call(field, [&] {
+    const auto object = shared_object_of<FieldObject>(field);
+    require(path, "path");
+    require(topology, "topology");
+    give(load(*object, path, read_build_options(options)), topology);
   });
 }
 
@@ -123,11 +154,10 @@ MorselResult morsel_open_topology(MorselField field, const char* path,
     const auto object = shared_object_of<FieldObject>(field);
     require(path, "path");
     require(topology, "topology");
-    const MorselBuildOptions o = read_options(options, kBuildOptionsV1);
+    const MorselBuildOptions o = read_build_options(options);
     std::error_code error;
     if (std::filesystem::status(path, error).type() != std::filesystem::file_type::not_found) {
-      give(object_with(morsel::topology::read_cache_of(path, object->hypertexture.hash), path),
-           topology);
+      give(load(*object, path, o), topology);
       return;
     }
     require_writable_folder(path);
@@ -175,7 +205,7 @@ MorselResult morsel_topology_info(MorselTopology topology, MorselTopologyInfo* i
     store(t.box.min, r.lower);
     store(t.box.max, r.upper);
     r.critical_points = object.critical_points.size();
-    write_struct(r, info, kTopologyInfoV1);
+    write_struct(r, info, kTopologyInfoV1, "MorselTopologyInfo");
   });
 }
 
@@ -183,7 +213,8 @@ MorselResult morsel_topology_components(MorselTopology topology, size_t first, s
                                         size_t component_size, MorselComponent* components) {
   return call(topology, [&] {
     const auto& table = object_of<TopologyObject>(topology).cache->topology.components;
-    require_range("component_size", component_size, kComponentV1, first, count, table.size());
+    require_range("MorselComponent", "component_size", component_size, kComponentV1, first, count,
+                  table.size());
     if (count == 0) return;
     require(components, "components");
     auto* out = reinterpret_cast<char*>(components);
@@ -196,7 +227,8 @@ MorselResult morsel_topology_components(MorselTopology topology, size_t first, s
       r.volume_hi = c.volume_hi;
       r.cells = c.cells;
       store(c.seed, r.seed);
-      std::memcpy(out, &r, std::min(component_size, sizeof r));
+      r.maxima = c.maxima;
+      write_entry(r, out, component_size);
     }
   });
 }
@@ -205,7 +237,8 @@ MorselResult morsel_topology_critical_points(MorselTopology topology, size_t fir
                                              size_t point_size, MorselCriticalPoint* points) {
   return call(topology, [&] {
     const auto& all = object_of<TopologyObject>(topology).critical_points;
-    require_range("point_size", point_size, kCriticalPointV1, first, count, all.size());
+    require_range("MorselCriticalPoint", "point_size", point_size, kCriticalPointV1, first, count,
+                  all.size());
     if (count == 0) return;
     require(points, "points");
     auto* out = reinterpret_cast<char*>(points);
@@ -219,7 +252,7 @@ MorselResult morsel_topology_critical_points(MorselTopology topology, size_t fir
       store(p.axis, r.axis);
       r.type = static_cast<uint32_t>(p.type);
       r.component = p.set;
-      std::memcpy(out, &r, std::min(point_size, sizeof r));
+      write_entry(r, out, point_size);
     }
   });
 }

@@ -79,6 +79,16 @@ topology::Box BrickBuilder::box_of(const Place& p) const {
   return set_.box(b);
 }
 
+void BrickBuilder::report(std::uint32_t leaves) const {
+  if (!execution_.progress) return;
+  const std::uint64_t all = contents_[0].leaves;
+  const std::lock_guard lock(progress_mutex_);
+  done_ += leaves;
+  if (done_ < all && (done_ - reported_) * 256 < all) return;
+  reported_ = done_;
+  execution_.progress(static_cast<double>(done_) / static_cast<double>(all), "bricks");
+}
+
 // `field` holds on the parent's box and the margin.
 BrickBuilder::Part BrickBuilder::descend(const Place& place,
                                          const topology::ScalarField& field) const {
@@ -88,7 +98,9 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
   const topology::Box box = inflated(box_of(place), set_.margin_);
   std::unique_ptr<topology::ScalarField> own = field.restricted_to(box);
   if (c.height <= options_.block_levels) {
+    execution_.check_cancel();
     fill(place, *own, part);
+    report(c.leaves);
     if (part.bricks.empty()) return part;
     // The surface seldom fills its block: terms that do not reach the bricks are left out.
     topology::Box bricks;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "hypertexture_geom/embree/bricks.h"
@@ -14,8 +15,8 @@ namespace morsel::geom {
 class BrickBuilder {
  public:
   BrickBuilder(BrickSet& set, const topology::OctreeView& octree, const std::vector<bool>& kept,
-               const BrickSet::Options& options)
-      : set_(set), octree_(octree), kept_(kept), options_(options) {}
+               const BrickSet::Options& options, const topology::Execution& execution)
+      : set_(set), octree_(octree), kept_(kept), options_(options), execution_(execution) {}
 
   void build(const topology::ScalarField& field);
 
@@ -44,6 +45,8 @@ class BrickBuilder {
   const Content& examine(std::uint32_t node);
   static Place child_of(const Place& p, std::uint32_t node, std::uint32_t i);
   topology::Box box_of(const Place& p) const;
+  // So many more leaves are done.
+  void report(std::uint32_t leaves) const;
   Part descend(const Place& place, const topology::ScalarField& field) const;
   void fill(const Place& place, const topology::ScalarField& field, Part& part) const;
   enum class Made { kBrick, kNoSurface, kTooCoarse };
@@ -53,7 +56,10 @@ class BrickBuilder {
   const topology::OctreeView& octree_;
   const std::vector<bool>& kept_;
   const BrickSet::Options& options_;
+  const topology::Execution& execution_;
   std::vector<Content> contents_;
+  mutable std::mutex progress_mutex_;
+  mutable std::uint64_t done_ = 0, reported_ = 0;  // leaves
 };
 
 }  // namespace morsel::geom

@@ -13,6 +13,7 @@
 #include "hypertexture_geom/embree/segment.h"
 #include "hypertexture_geom/field/compiled_field.h"
 #include "topology/box.h"
+#include "topology/certified.h"
 #include "topology/local_model.h"
 #include "topology/octree.h"
 #include "topology/scalar_field.h"
@@ -105,9 +106,10 @@ class BrickSet {
   };
 
   // `kept[id]` for every component of the octree. Runs in the caller's TBB arena; the result does
-  // not depend on the number of threads. Throws std::length_error beyond 2^27 blocks.
+  // not depend on the number of threads. Throws std::length_error beyond 2^27 blocks, Cancelled.
   BrickSet(const topology::ScalarField& field, const topology::OctreeView& octree,
-           const std::vector<bool>& kept, const Options& options);
+           const std::vector<bool>& kept, const Options& options,
+           const topology::Execution& execution = {});
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(bricks_.size()); }
   const Brick& operator[](std::uint32_t i) const { return bricks_[i]; }

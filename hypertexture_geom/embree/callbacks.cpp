@@ -104,6 +104,7 @@ void first_accepted(const typename Query::Arguments* a, unsigned i) {
 }
 
 void any_hit(const RTCOccludedFunctionNArguments* a, unsigned i) {
+  if (has_query_filter(a->context)) return first_accepted<Occlusion>(a, i);
   const RaySurface& surface = *data_of(a->geometryUserPtr).surface;
   if (surface.any_root(a->primID, segment_of(a->ray, a->N, i))) Occlusion::accept(a, i);
 }

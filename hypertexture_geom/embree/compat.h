@@ -190,9 +190,18 @@ inline void copy_instance(const RayQueryContext* context, RTCHitN* hit, unsigned
   }
 }
 
-// In a callback: runs the geometry's filter function, which clears filter->valid[i] to reject.
-// Embree 3 also runs the filter of the query's context. Embree 4 has no way to do that from here:
-// a filter passed in RTCIntersectArguments is not run on user geometry.
+// Whether the query has a filter of its own that run_occluded_filter runs. Embree 4 passes none to
+// callbacks: a filter in RTCIntersectArguments or RTCOccludedArguments is not run on user geometry.
+inline bool has_query_filter([[maybe_unused]] const RayQueryContext* context) {
+#if RTC_VERSION_MAJOR >= 4
+  return false;
+#else
+  return context != nullptr && context->filter != nullptr;
+#endif
+}
+
+// In a callback: runs the geometry's filter function, which clears filter->valid[i] to reject, and
+// that of the query (see has_query_filter).
 inline void run_intersect_filter(const RTCIntersectFunctionNArguments* arguments,
                                  const RTCFilterFunctionNArguments* filter) {
 #if RTC_VERSION_MAJOR >= 4

@@ -66,7 +66,8 @@ std::vector<topology::OctreeNode> octree_for_rays(const topology::TopologyCache&
 std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box& box,
                                          const topology::OctreeView& octree,
                                          const std::vector<bool>& keep, std::uint64_t cells,
-                                         const GeometryOptions& options) {
+                                         const GeometryOptions& options,
+                                         const topology::Execution& execution) {
   const double diameter = diameter_of(box);
   const bool streamline = options.membership == Membership::kStreamline;
   std::unique_ptr<RaySurface> surface;
@@ -78,7 +79,7 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box
       if (octree.nodes[leaf.node].cell_content() == topology::Content::kUndecided)
         all.extendBy(leaf.box);
     });
-    const double lipschitz = lipschitz_bound(field, all);
+    const double lipschitz = lipschitz_bound(field, all, execution);
     surface = std::make_unique<SphereSurface>(field, all, lipschitz, kTolerance * diameter);
   } else {
     const std::vector<bool> all(keep.size(), true);  // see octree_for_rays
@@ -91,16 +92,35 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box
       bricks.block_levels = sizing.block_levels;
     }
     surface = std::make_unique<BrickSurface>(
-        BrickSet(field, octree, streamline ? all : keep, bricks), field, kTolerance * diameter);
+        BrickSet(field, octree, streamline ? all : keep, bricks, execution), field,
+        kTolerance * diameter);
   }
   if (streamline)
-    surface->set_filter(make_streamline_filter(field, octree, keep), RaySurface::Filtered::kAll);
+    surface->set_filter(make_streamline_filter(field, octree, keep, execution),
+                        RaySurface::Filtered::kAll);
   else
     surface->set_filter(make_label_filter(field, octree, keep, kTolerance * diameter),
                         options.membership == Membership::kOff ? RaySurface::Filtered::kNone
                                                                : RaySurface::Filtered::kMixed);
   if (options.check_bounds) surface->check_bounds();
   return surface;
+}
+
+// Whether F is proved to fall along `direction` everywhere in the box that x and p span.
+bool falls(const Field& field, const Imath::V3d& x, const Imath::V3d& p,
+           const Imath::V3d& direction) {
+  topology::Box box(x);
+  box.extendBy(p);
+  const double slack = float_error(x);
+  box.min -= Imath::V3d(slack);
+  box.max += Imath::V3d(slack);
+  const topology::LocalModel model = field.restricted_to(box)->model(box);
+  double greatest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const topology::Interval slope = model.gradient_range(i);
+    greatest += std::max(direction[i] * slope.lo, direction[i] * slope.hi);
+  }
+  return greatest < 0.0;
 }
 
 }  // namespace
@@ -116,7 +136,7 @@ struct HypertextureGeometry::Impl {
   CallbackData callback_data;
 
   Impl(std::shared_ptr<const Field> f, std::shared_ptr<const topology::TopologyCache> cache,
-       const GeometryOptions& options)
+       const GeometryOptions& options, const topology::Execution& execution)
       : field(std::move(f)),
         components(cache->topology.components),
         keep(kept(*cache, options)),
@@ -127,7 +147,7 @@ struct HypertextureGeometry::Impl {
     std::uint64_t cells = 0;
     for (std::size_t i = 0; i < keep.size(); ++i)
       if (keep[i]) cells += components[i].cells;
-    surface = make_surface(*field, kept_bounds, {root, octree}, keep, cells, options);
+    surface = make_surface(*field, kept_bounds, {root, octree}, keep, cells, options, execution);
     for (std::uint32_t i = 0; i < surface->size(); ++i) bounds.extendBy(surface->bounds(i));
     callback_data = {surface.get(), padding(options.far_distance)};
   }
@@ -147,8 +167,9 @@ struct HypertextureGeometry::Impl {
 
 HypertextureGeometry::HypertextureGeometry(std::shared_ptr<const Field> field,
                                            std::shared_ptr<const topology::TopologyCache> cache,
-                                           const GeometryOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(field), std::move(cache), options)) {}
+                                           const GeometryOptions& options,
+                                           const topology::Execution& execution)
+    : impl_(std::make_unique<Impl>(std::move(field), std::move(cache), options, execution)) {}
 
 HypertextureGeometry::~HypertextureGeometry() = default;
 
@@ -187,8 +208,10 @@ ShadingPoint HypertextureGeometry::shade(std::uint32_t brick, const Imath::V3f& 
   const double error =
       float_error(x) + impl_->surface->tolerance() + static_cast<double>(extra_error);
   const auto value_at = [&](const Imath::V3d& p) { return impl_->surface->value_at(brick, p); };
-  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value_at);
-  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value_at);
+  // F falls along the normal all the way from x to p.
+  const auto single = [&](const Imath::V3d& p) { return falls(*impl_->field, x, p, normal); };
+  const SpawnPoint front = spawn_point(x, normal, 2.0 * error, -1.0, value_at, single);
+  const SpawnPoint behind = spawn_point(x, -normal, 2.0 * error, 1.0, value_at, single);
 
   ShadingPoint s;
   s.normal = Imath::V3f(normal);
@@ -245,7 +268,11 @@ double HypertextureGeometry::tolerance() const { return impl_->surface->toleranc
 
 GeometryStatistics HypertextureGeometry::statistics() const {
   const RaySurface& s = *impl_->surface;
-  return {s.size(), s.blocks(), s.bytes(), s.limits(), s.violations()};
+  const std::uint64_t bytes = sizeof(Impl) + s.bytes() + s.filter_bytes() +
+                              impl_->octree.capacity() * sizeof(topology::OctreeNode) +
+                              impl_->components.capacity() * sizeof(topology::Component) +
+                              impl_->keep.capacity() / 8;
+  return {s.size(), s.blocks(), bytes, s.limits(), s.violations()};
 }
 
 const Field& HypertextureGeometry::field() const { return *impl_->field; }

@@ -31,7 +31,9 @@ struct GeometryOptions {
 struct GeometryStatistics {
   std::uint64_t bricks = 0;
   std::uint64_t blocks = 0;  // restricted fields that the bricks share
-  std::uint64_t bytes = 0;   // of the bricks and these fields
+  // Bricks, these fields, the coarsened octree, the table of components and what filters know:
+  // everything but the geometry's own field.
+  std::uint64_t bytes = 0;
   // Ray tests that ended at the evaluation limit, so that a hit may be missing or not the first.
   std::uint64_t limits = 0;
   std::uint64_t violations = 0;  // of bounds, found with check_bounds: the field or its models err
@@ -45,14 +47,17 @@ struct CreateOptions {
 };
 
 // Hypertexture surface as Embree user geometry: one primitive a brick, a brick being a cell of the
-// labelled octree that holds surface of a kept component (with Solver::kSphere one for all).
+// labelled octree, or a part or a group of cells, that holds surface of a kept component (with
+// Solver::kSphere one for all).
 // Immutable after construction and shared by all instances.
 class HypertextureGeometry {
  public:
-  // Takes from the cache what rays need (topology/coarsen.h), and does not keep it.
+  // Takes from the cache what rays need (topology/coarsen.h), and does not keep it. Phases of its
+  // progress: "bricks", or "slopes" with Solver::kSphere; then those of the Morse engine with
+  // Membership::kStreamline. Throws Cancelled.
   HypertextureGeometry(std::shared_ptr<const Field> field,
                        std::shared_ptr<const topology::TopologyCache> cache,
-                       const GeometryOptions& options);
+                       const GeometryOptions& options, const topology::Execution& execution = {});
   ~HypertextureGeometry();
   HypertextureGeometry(const HypertextureGeometry&) = delete;
   HypertextureGeometry& operator=(const HypertextureGeometry&) = delete;

@@ -55,6 +55,8 @@ class LabelFilter final : public MembershipFilter {
     return component < kept_.size() && kept_[component];
   }
 
+  std::uint64_t bytes() const override { return sizeof *this + kept_.capacity() / 8; }
+
  private:
   const topology::ScalarField& field_;
   topology::OctreeView octree_;
@@ -71,8 +73,8 @@ topology::MorseOptions options_for(const topology::Box& box) {
 class StreamlineFilter final : public MembershipFilter {
  public:
   StreamlineFilter(const topology::ScalarField& field, const topology::OctreeView& octree,
-                   std::vector<bool> kept)
-      : complex_(topology::morse_complex(field, options_for(octree.box))),
+                   std::vector<bool> kept, const topology::Execution& execution)
+      : complex_(topology::morse_complex(field, options_for(octree.box), execution)),
         membership_(field, complex_.box, complex_.points),
         kept_(std::move(kept)) {
     components_.reserve(complex_.sets.size());
@@ -92,6 +94,14 @@ class StreamlineFilter final : public MembershipFilter {
     return component < kept_.size() && kept_[component];
   }
 
+  // The look-up of maxima holds a few numbers for each point beside these.
+  std::uint64_t bytes() const override {
+    return sizeof *this + complex_.points.capacity() * sizeof(topology::CriticalPoint) +
+           complex_.separatrices.capacity() * sizeof(topology::Separatrix) +
+           complex_.sets.capacity() * sizeof(topology::MorseSet) +
+           components_.capacity() * sizeof(std::uint32_t) + kept_.capacity() / 8;
+  }
+
  private:
   topology::MorseComplex complex_;
   topology::StreamlineMembership membership_;
@@ -109,8 +119,9 @@ std::unique_ptr<MembershipFilter> make_label_filter(const topology::ScalarField&
 
 std::unique_ptr<MembershipFilter> make_streamline_filter(const topology::ScalarField& field,
                                                          const topology::OctreeView& octree,
-                                                         const std::vector<bool>& kept) {
-  return std::make_unique<StreamlineFilter>(field, octree, kept);
+                                                         const std::vector<bool>& kept,
+                                                         const topology::Execution& execution) {
+  return std::make_unique<StreamlineFilter>(field, octree, kept, execution);
 }
 
 }  // namespace morsel::geom

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "topology/certified.h"
 #include "topology/octree.h"
 #include "topology/scalar_field.h"
 
@@ -19,6 +20,7 @@ class MembershipFilter {
   // Component of the surface at `x` (F(x) is zero to within rounding); kNoComponent: not found.
   virtual std::uint32_t component_at(const Imath::V3d& x) const = 0;
   virtual bool keeps(const Imath::V3d& x) const = 0;
+  virtual std::uint64_t bytes() const = 0;  // that it holds; the octree it looks at is not its own
 };
 
 // Point location in the labelled octree. A point of S in a leaf whose content is proved connected
@@ -34,6 +36,7 @@ std::unique_ptr<MembershipFilter> make_label_filter(const topology::ScalarField&
 // octree's box (seconds to minutes); throws what that throws.
 std::unique_ptr<MembershipFilter> make_streamline_filter(const topology::ScalarField& field,
                                                          const topology::OctreeView& octree,
-                                                         const std::vector<bool>& kept);
+                                                         const std::vector<bool>& kept,
+                                                         const topology::Execution& execution = {});
 
 }  // namespace morsel::geom

@@ -76,7 +76,8 @@ class RaySurface {
   // The octree's cell that it is, if it is one; else as bounds.
   virtual topology::Box cell(std::uint32_t primitive) const { return bounds(primitive); }
   virtual std::uint64_t blocks() const { return 0; }  // restricted fields that primitives share
-  virtual std::uint64_t bytes() const { return 0; }   // theirs included
+  virtual std::uint64_t bytes() const = 0;            // theirs included, the filter's not
+  std::uint64_t filter_bytes() const { return filter_ ? filter_->bytes() : 0; }
   // Component of its surface; kNoComponent if that depends on the place.
   virtual std::uint32_t component(std::uint32_t primitive) const = 0;
   // F at `x`, which need not lie in the primitive: cheaper where it does.

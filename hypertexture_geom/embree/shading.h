@@ -14,10 +14,12 @@ namespace morsel::geom {
 //
 // The scheme of positions: a hit's point comes to shading rounded to float, so it may lie on either
 // side of the surface. From it two floating-point positions are sought along the normal, one in
-// front and one behind, at twice the bound on the point's error and then at twice as much as often
-// as needed, until F has the right sign there *by evaluation*. A ray from such a point need no
-// epsilon: its tnear can be 0. Between both points F changes its sign, so the surface passes
-// between them, which bounds the error of any position near them.
+// front and one behind, at twice the bound on the point's error, until F has the right sign there
+// *by evaluation*. In a gap or a sheet thinner than that nearer points are tried, and where the
+// bound proves too small ones that are farther, as long as F is proved to change in one direction
+// all the way: a spawn point never lies behind another solid or gap that coordinates can tell. A
+// ray from such a point need no epsilon: its tnear can be 0. Between both points F changes its
+// sign, so the surface passes between them, which bounds the error of any position near them.
 struct ShadingPoint {
   Imath::V3f normal;  // unit, outward (-grad F), from the exact gradient
   // Origins for rays that leave to the outside (F < 0 there, by evaluation) and to the inside (F >

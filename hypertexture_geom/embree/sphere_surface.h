@@ -17,6 +17,7 @@ class SphereSurface final : public RaySurface {
       : RaySurface(tolerance), field_(field), box_(box), lipschitz_(lipschitz) {}
 
   std::uint32_t size() const override { return box_.isEmpty() ? 0 : 1; }
+  std::uint64_t bytes() const override { return sizeof *this; }
   topology::Box bounds(std::uint32_t) const override { return box_; }
   std::uint32_t component(std::uint32_t) const override { return topology::kNoComponent; }
   double value_at(std::uint32_t, const Imath::V3d& x) const override { return field_.value(x); }

@@ -8,6 +8,10 @@
 namespace morsel::params {
 namespace {
 
+std::string plural(const std::string& noun) {
+  return noun.ends_with('y') ? noun.substr(0, noun.size() - 1) + "ies" : noun + "s";
+}
+
 std::string type_text(const Parameter& p) {
   switch (p.type) {
     case Type::kBoolean:
@@ -37,9 +41,8 @@ std::string type_text(const Parameter& p) {
     case Type::kObject:
       return p.record != nullptr ? p.record->name : p.kind.empty() ? "object" : p.kind;
     case Type::kArray:
-      if (p.record != nullptr) return fmt::format("list of {}s", p.record->name);
-      if (p.kind == "density") return "list of densities";
-      return fmt::format("list of {}s", p.kind.empty() ? "value" : p.kind);
+      if (p.record != nullptr) return "list of " + plural(p.record->name);
+      return "list of " + plural(p.kind.empty() ? "value" : p.kind);
   }
   return "";
 }

@@ -34,6 +34,7 @@ struct SurfaceInteraction {
   V2f uv{0.0f, 0.0f};          // the mesh's, or barycentric
   V2f uv1{0.0f, 0.0f};         // the mesh's second set, or `uv`
   V3f vertex_color{1.0f};      // the mesh's, or white
+  float vertex_alpha = 1.0f;   // the mesh's, or 1
   // In object space, for what is solid: the point, its unit normal, and the length there of a world
   // length of 1 (of a mean direction).
   V3f object_p{0.0f}, object_normal{0.0f, 1.0f, 0.0f};

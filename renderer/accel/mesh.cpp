@@ -25,6 +25,7 @@ GeometryHandle create_mesh_geometry(const Device& device, const TriangleMesh& me
   check(mesh.uvs, "texture coordinates");
   check(mesh.uvs1, "second texture coordinates");
   check(mesh.colors, "colors");
+  check(mesh.alphas, "alphas");
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Imath::V3i& t = mesh.triangles[i];
     for (int k = 0; k < 3; ++k)
@@ -99,6 +100,7 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   s.uv = mesh.uvs.empty() ? V2f(u, v) : interpolated(mesh.uvs);
   s.uv1 = mesh.uvs1.empty() ? s.uv : interpolated(mesh.uvs1);
   if (!mesh.colors.empty()) s.vertex_color = interpolated(mesh.colors);
+  if (!mesh.alphas.empty()) s.vertex_alpha = interpolated(mesh.alphas);
 }
 
 }  // namespace morsel::render

@@ -140,6 +140,7 @@ float MaterialSet::opacity(const SurfaceInteraction& hit, const V3f& wo) const {
   const Material& m = scene_.materials[hit.material];
   const std::uint32_t texture = m.texture(MaterialInput::kOpacity);
   float opacity = m.opacity;
+  if (m.vertex_alpha) opacity *= std::clamp(hit.vertex_alpha, 0.0f, 1.0f);
   if (texture != kNoTexture)
     opacity *= std::clamp(textures_.number(texture, TexturePoint(scene_, hit, wo)), 0.0f, 1.0f);
   if (m.opacity_cutoff > 0.0f) return opacity >= m.opacity_cutoff ? 1.0f : 0.0f;

@@ -198,10 +198,15 @@ std::vector<Imath::V2f> read_vectors2(const tinygltf::Model& model, int accessor
   return as_vectors<Imath::V2f>(read_numbers(model, accessor, kVectors2, shares), 2);
 }
 
-std::vector<Imath::V3f> read_colors(const tinygltf::Model& model, int accessor) {
+std::vector<Imath::V3f> read_colors(const tinygltf::Model& model, int accessor,
+                                    std::vector<float>& alphas) {
   const bool alpha = element(model.accessors, accessor, "accessor").type == TINYGLTF_TYPE_VEC4;
   const Kind& kind = alpha ? kVectors4 : kVectors3;
-  return as_vectors<Imath::V3f>(read_numbers(model, accessor, kind, true), kind.components);
+  const std::vector<double> numbers = read_numbers(model, accessor, kind, true);
+  if (alpha)
+    for (std::size_t i = 3; i < numbers.size(); i += 4)
+      alphas.push_back(static_cast<float>(numbers[i]));
+  return as_vectors<Imath::V3f>(numbers, kind.components);
 }
 
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int accessor) {

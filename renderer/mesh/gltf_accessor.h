@@ -23,7 +23,9 @@ std::vector<Imath::V3f> read_vectors3(const tinygltf::Model& model, int accessor
 // Texture coordinates: float, or normalised integers.
 std::vector<Imath::V2f> read_vectors2(const tinygltf::Model& model, int accessor);
 // Of 3 or 4 components, the alpha of which is left out: float, or normalised integers.
-std::vector<Imath::V3f> read_colors(const tinygltf::Model& model, int accessor);
+// `alphas` stays empty where there are none.
+std::vector<Imath::V3f> read_colors(const tinygltf::Model& model, int accessor,
+                                    std::vector<float>& alphas);
 // 8, 16 or 32 bit, unsigned.
 std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, int accessor);
 

@@ -213,7 +213,7 @@ std::optional<TriangleMesh> triangles_of(const tinygltf::Model& model,
   mesh.uvs = texture_coordinates(model, primitive, "TEXCOORD_0");
   mesh.uvs1 = texture_coordinates(model, primitive, "TEXCOORD_1");
   if (const std::optional<int> colors = attribute(primitive, "COLOR_0"))
-    mesh.colors = read_colors(model, *colors);
+    mesh.colors = read_colors(model, *colors, mesh.alphas);
   const std::size_t count = mesh.positions.size();
   const auto same = [&](const auto& values, const char* name) {
     if (!values.empty() && values.size() != count)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -67,6 +68,12 @@ class Importer {
                                     place, material, model_.materials.size()));
       const auto index = static_cast<std::uint32_t>(
           material < 0 ? static_cast<int>(model_.materials.size()) : material);
+      // Opaque materials have no use for alpha.
+      const std::string mode =
+          material < 0 ? "" : model_.materials[static_cast<std::size_t>(material)].alphaMode;
+      if (!part->alphas.empty() && !mode.empty() && mode != "OPAQUE" &&
+          *std::min_element(part->alphas.begin(), part->alphas.end()) < 1.0f)
+        scene_.materials[index].vertex_alpha = true;
       it->second.emplace_back(static_cast<std::uint32_t>(scene_.geometries.size()), index);
       scene_.geometries.push_back(
           {fmt::format("{} {}", from.name.empty() ? fmt::format("mesh {}", mesh) : from.name, i),

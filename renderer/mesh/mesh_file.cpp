@@ -26,6 +26,7 @@ std::string lower_case_extension(const fs::path& file) {
   return extension;
 }
 
+bool is_finite(float x) { return std::isfinite(x); }
 template <class Vector>
 bool is_finite(const Vector& v) {
   for (unsigned int i = 0; i < Vector::dimensions(); ++i)
@@ -59,6 +60,7 @@ void validate_mesh(const TriangleMesh& mesh, const std::string& place) {
   check_attribute(mesh.uvs, vertices, true, "texture coordinate", place);
   check_attribute(mesh.uvs1, vertices, true, "second texture coordinate", place);
   check_attribute(mesh.colors, vertices, true, "color", place);
+  check_attribute(mesh.alphas, vertices, true, "alpha", place);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int corner = 0; corner < 3; ++corner) {
       const int index = mesh.triangles[t][corner];

@@ -64,6 +64,7 @@ struct Material {
   float opacity = 1.0f;            // share of rays that the surface is there for
   // Above 0: all or nothing, whether the opacity reaches this.
   float opacity_cutoff = 0.0f;
+  bool vertex_alpha = false;  // whether the opacity is multiplied by the mesh's alphas
 
   // Indices into Scene::textures, by MaterialInput.
   std::array<std::uint32_t, kMaterialInputs> textures = no_textures();
@@ -74,7 +75,9 @@ struct Material {
   std::uint32_t texture(MaterialInput input) const {
     return textures[static_cast<std::size_t>(input)];
   }
-  bool opaque() const { return opacity >= 1.0f && texture(MaterialInput::kOpacity) == kNoTexture; }
+  bool opaque() const {
+    return opacity >= 1.0f && texture(MaterialInput::kOpacity) == kNoTexture && !vertex_alpha;
+  }
 
   static std::array<std::uint32_t, kMaterialInputs> no_textures() {
     std::array<std::uint32_t, kMaterialInputs> none;
@@ -89,6 +92,7 @@ struct TriangleMesh {
   std::vector<Imath::V2f> uvs;      // per vertex; may be empty
   std::vector<Imath::V2f> uvs1;     // a second set, for images that ask for it
   std::vector<Imath::V3f> colors;   // per vertex; multiply the material's color; may be empty
+  std::vector<float> alphas;        // per vertex, for Material::vertex_alpha; may be empty
   std::vector<Imath::V3i> triangles;
 };
 

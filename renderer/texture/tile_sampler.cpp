@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "renderer/texture/linear_image.h"
 
@@ -38,8 +39,13 @@ int wrapped(int i, int n, Wrap wrap) {
   return ((i % n) + n) % n;
 }
 
-// Floats beyond what an int holds, and NaN, come out at 0.
-int floor_to_int(float x) { return std::abs(x) < 1e9f ? static_cast<int>(std::floor(x)) : 0; }
+// The texel's centre at or before `x` and the share of the way to the next; 0 for what is beyond an
+// int, or no number.
+std::pair<int, float> split(float x) {
+  if (!(std::abs(x) < 1e9f)) return {0, 0.0f};
+  const float floor = std::floor(x);
+  return {static_cast<int>(floor), x - floor};
+}
 
 }  // namespace
 
@@ -99,7 +105,9 @@ bool TileSampler::sample(const CachedImage& image, Wrap wrap_u, Wrap wrap_v, V2f
   // linear interpolation in the width.
   const float width = std::max(shortest, longest / kMostAnisotropic);
   int level = 0;
-  if (width > 1.0f && std::isfinite(width)) {
+  if (!(width < 1e9f)) {
+    level = image.levels - 1;
+  } else if (width > 1.0f) {
     const float share = 2.0f * std::frexp(width, &level) - 1.0f;  // of the coarser one
     if (random < share) {
       random /= share;
@@ -110,14 +118,11 @@ bool TileSampler::sample(const CachedImage& image, Wrap wrap_u, Wrap wrap_v, V2f
     level = std::min(level, image.levels - 1);
   }
   // A point of the long axis; what the level's texels cover themselves is not walked again.
-  if (longest > width) uv += major * ((random - 0.5f) * (1.0f - width / longest));
+  if (longest > width && longest < 1e9f) uv += major * ((random - 0.5f) * (1.0f - width / longest));
 
   const int columns = std::max(1, image.width >> level), rows = std::max(1, image.height >> level);
-  const float s = uv.x * static_cast<float>(columns) - 0.5f;
-  const float t = uv.y * static_cast<float>(rows) - 0.5f;
-  const int x = floor_to_int(s), y = floor_to_int(t);
-  const float fx = std::clamp(s - static_cast<float>(x), 0.0f, 1.0f);
-  const float fy = std::clamp(t - static_cast<float>(y), 0.0f, 1.0f);
+  const auto [x, fx] = split(uv.x * static_cast<float>(columns) - 0.5f);
+  const auto [y, fy] = split(uv.y * static_cast<float>(rows) - 0.5f);
   const int x0 = wrapped(x, columns, wrap_u), x1 = wrapped(x + 1, columns, wrap_u);
   const int y0 = wrapped(y, rows, wrap_v), y1 = wrapped(y + 1, rows, wrap_v);
   std::fill_n(texel, std::min(image.channels, 4), 0.0f);

@@ -19,13 +19,16 @@ AT(MorselTopologyInfo, certified, 32);
 AT(MorselTopologyInfo, seconds, 72);
 AT(MorselTopologyInfo, upper, 104);
 AT(MorselTopologyInfo, critical_points, 128); /* the end of version 0.1 */
-SIZE(MorselComponent, 96);
+SIZE(MorselComponent, 104);
 AT(MorselComponent, seed, 72);
+AT(MorselComponent, maxima, 96); /* the end of version 0.2 */
 SIZE(MorselCriticalPoint, 96);
 AT(MorselCriticalPoint, type, 88);
-SIZE(MorselGeometryOptions, 40);
+SIZE(MorselGeometryOptions, 64);
 AT(MorselGeometryOptions, threads, 24);
-AT(MorselGeometryOptions, solver, 32); /* the end of version 0.1 */
+AT(MorselGeometryOptions, solver, 32);   /* the end of version 0.1 */
+AT(MorselGeometryOptions, progress, 40); /* the end of version 0.2 */
+AT(MorselGeometryOptions, user, 56);
 SIZE(MorselGeometryInfo, 104);
 AT(MorselGeometryInfo, step_limits, 24);
 AT(MorselGeometryInfo, main_component, 96);
@@ -34,9 +37,15 @@ AT(MorselShading, component, 44);
 AT(MorselShading, position, 56);
 SIZE(MorselDetail, 96);
 AT(MorselDetail, component, 88);
-SIZE(MorselRay, 32);
 SIZE(MorselHit, 48);
+AT(MorselHit, gradient, 8);
 AT(MorselHit, prim_id, 32);
+/* MorselRay does not say its size: it is this for good. */
+SIZE(MorselRay, 32);
+AT(MorselRay, origin, 0);
+AT(MorselRay, direction, 12);
+AT(MorselRay, tnear, 24);
+AT(MorselRay, tfar, 28);
 #endif
 
 /* Called from the C++ test, so that it is C that makes the calls. */

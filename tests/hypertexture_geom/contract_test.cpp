@@ -161,23 +161,25 @@ TEST_F(ContractTest, MultiHit) {
 // A filter that comes with the query. (Embree 4 does not run one on user geometry.)
 TEST_F(ContractTest, QueryFilter) {
   const Imath::V3f o(-3.0f, 0.011f, 0.023f), d(1.0f, 0.0f, 0.0f);
-  test::EmbreeScene scene;
-  scene.attach(geometry_->create(scene.device(), {.occlusion_filter = true}));
-  rtcSetSceneFlags(scene.scene(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-  scene.commit();
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.filter = collect;
-  collected.clear();
-  RTCRayHit h = make_ray_hit(ray_of(o, d));
-  rtcIntersect1(scene.scene(), &context, &h);
-  EXPECT_FALSE(test::is_hit(h));
-  EXPECT_EQ(distinct_hits().size(), 2u);
-  collected.clear();
-  RTCRay shadow = ray_of(o, d);
-  rtcOccluded1(scene.scene(), &context, &shadow);
-  EXPECT_EQ(shadow.tfar, kInfinity);
-  EXPECT_EQ(distinct_hits().size(), 2u);
+  for (const bool occlusion_filter : {false, true}) {
+    test::EmbreeScene scene;
+    scene.attach(geometry_->create(scene.device(), {.occlusion_filter = occlusion_filter}));
+    rtcSetSceneFlags(scene.scene(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    scene.commit();
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.filter = collect;
+    collected.clear();
+    RTCRayHit h = make_ray_hit(ray_of(o, d));
+    rtcIntersect1(scene.scene(), &context, &h);
+    EXPECT_FALSE(test::is_hit(h));
+    EXPECT_EQ(distinct_hits().size(), 2u);
+    collected.clear();
+    RTCRay shadow = ray_of(o, d);
+    rtcOccluded1(scene.scene(), &context, &shadow);
+    EXPECT_EQ(shadow.tfar, kInfinity) << occlusion_filter;
+    EXPECT_EQ(distinct_hits().size(), 2u) << occlusion_filter;
+  }
 }
 #endif
 

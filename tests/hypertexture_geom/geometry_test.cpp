@@ -28,7 +28,7 @@ TEST_F(GeometryTest, HasBricksOfOneComponent) {
   EXPECT_GT(geometry_->statistics().bricks, 100u);
   EXPECT_EQ(geometry_->statistics().limits, 0u);
   EXPECT_EQ(geometry_->main_component(), geometry_->component(0));
-  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 200);
+  EXPECT_LE(geometry_->statistics().bytes, geometry_->statistics().bricks * 240);
 }
 
 TEST_F(GeometryTest, HitsTheBallFromOutsideAndInside) {

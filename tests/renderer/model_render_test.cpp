@@ -178,6 +178,30 @@ TEST_F(ModelRender, TheSecondCoordinatesAndVertexColorsCount) {
   }
 }
 
+// From the top's 0 to the bottom's 1; what is opaque stays so.
+TEST_F(ModelRender, AlphaOfVertexColorsCutsAndFades) {
+  const auto top_and_bottom = [&](const char* mode) {
+    GltfFile file = square({{"pbrMetallicRoughness", json::object()}, {"alphaMode", mode}});
+    file.primitive()["attributes"]["COLOR_0"] = file.add_accessor<float>(
+        {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 0}, GltfFile::kFloat, "VEC4", 4);
+    const Film film = picture(file.write_gltf(folder_));
+    const auto mean = [&](int y0) {
+      float sum = 0.0f;
+      for (int y = y0; y < y0 + 8; ++y)
+        for (int x = 0; x < kSide; ++x)
+          sum += film.at(x, y).geometric_normal.length() / (8.0f * kSide);
+      return sum;
+    };
+    return std::pair(mean(0), mean(kSide - 8));
+  };
+  EXPECT_EQ(top_and_bottom("OPAQUE"), std::pair(1.0f, 1.0f));
+  EXPECT_EQ(std::minmax({top_and_bottom("MASK").first, top_and_bottom("MASK").second}),
+            std::pair(0.0f, 1.0f));
+  const auto [a, b] = top_and_bottom("BLEND");
+  EXPECT_NEAR(std::min(a, b), 0.125f, 0.08f);
+  EXPECT_NEAR(std::max(a, b), 0.875f, 0.08f);
+}
+
 TEST_F(ModelRender, MasksCutAndSheetsAreSeenFromBothSides) {
   json material = {{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.3}}}},
                    {"alphaMode", "MASK"},

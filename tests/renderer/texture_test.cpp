@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <latch>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -113,6 +114,23 @@ TEST_F(TextureTest, PointsOfAFootprintAverageToItsFilteredValue) {
               << "wrap " << static_cast<int>(wrap) << ", " << uv << ", width " << width;
       }
   }
+}
+
+TEST_F(TextureTest, AnyCoordinatesAndFootprintsGiveALightOfTheImage) {
+  const std::string file = write_image(
+      folder_, "grey.png", 100, 7, [](int x, int) { return Imath::V3i(x % 2 == 0 ? 100 : 200); });
+  const std::uint32_t image = store_.add(image_of(file, ColorSpace::kLinear));
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const float numbers[] = {0.0f, -0.3f, 1e-30f, 7.0f, 1e9f, -3e38f, kInf, kNan};
+  for (const float u : numbers)
+    for (const float v : numbers)
+      for (const float width : numbers)
+        for (const float random : {0.0f, 0.4f, 0.99999994f}) {
+          const V3f c =
+              store_.lookup(image, V2f(u, v), V2f(width, 0), V2f(0, 0.1f * width), random).color;
+          ASSERT_TRUE(c.x > 0.39f && c.x < 0.79f) << u << ", " << v << ", " << width << ": " << c;
+        }
 }
 
 // The first look-ups decode the image and make its levels, whichever threads they come from.

@@ -14,9 +14,14 @@
  *  - Functions that can fail return a result: MORSEL_OK (0) or an error (negative). They then leave
  *    their outputs untouched. morsel_last_error_text says what was wrong in this thread's last
  * failed call, morsel_object_error_text in the last failed call on a handle.
- *  - Structs begin with struct_size, which the caller sets to sizeof the struct, and may grow at
- *    their end: an old program works with a new library and the other way round. A caller's
- *    zeros mean the defaults.
+ *  - Structs may grow at their end: an old program works with a new library and the other way
+ *    round. All but MorselRay say how large the caller's are: by their first member, struct_size,
+ *    or where they are written as entries of an array, by the parameter that is named after it
+ *    (component_size, point_size, hit_size), which is sizeof the struct. Of options, a caller's
+ *    zeros mean the defaults, reserved members must be 0, and so must all be that a newer struct
+ * has beyond those this library knows: anything else is MORSEL_ERROR_INVALID_ARGUMENT. Of results,
+ *    what a newer struct has and this library does not know is set to 0; morsel_api_version tells.
+ *    MorselRay is as it is for good.
  *  - No exception and no signal leaves the library; it never writes to stdout or stderr.
  *  - Everything may be called from several threads at once; the last reference must not be released
  *    while another thread is in a call with that handle.
@@ -28,7 +33,7 @@
 #include <stdint.h>
 
 #define MORSEL_API_VERSION_MAJOR 0
-#define MORSEL_API_VERSION_MINOR 2
+#define MORSEL_API_VERSION_MINOR 3
 
 #if defined(__GNUC__)
 #define MORSEL_API __attribute__((visibility("default")))
@@ -90,8 +95,8 @@ typedef struct MorselBuildOptions {
   size_t struct_size;
   uint32_t threads; /* 0: all processors */
   uint32_t reserved;
-  /* Called now and then, from any thread but never twice at once: how much is done, 0 to 1, and a
-     word for what is being done. May be NULL. */
+  /* Called now and then, from any thread but never twice at once: how much of all is done, from 0
+     to 1 and never less than before, and a word for what is being done. May be NULL. */
   void (*progress)(void* user, double fraction, const char* phase);
   /* Called now and then likewise; anything but 0 stops the work. May be NULL. */
   int32_t (*cancel)(void* user);
@@ -123,7 +128,8 @@ typedef struct MorselComponent {
   double volume_lo; /* proved bounds */
   double volume_hi;
   uint64_t cells;
-  double seed[3]; /* a point in it or, where it has no cell of its own, next to it */
+  double seed[3];  /* a point in it or, where it has no cell of its own, next to it */
+  uint64_t maxima; /* since 0.3: of F in it; 0 where the Morse engine did not run */
 } MorselComponent;
 
 #define MORSEL_CRITICAL_MAXIMUM 0u
@@ -146,6 +152,9 @@ MORSEL_API MorselResult morsel_build_topology(MorselField field, const MorselBui
                                               MorselTopology* topology);
 MORSEL_API MorselResult morsel_load_topology(MorselField field, const char* path,
                                              MorselTopology* topology);
+MORSEL_API MorselResult morsel_load_topology_with(MorselField field, const char* path,
+                                                  const MorselBuildOptions* options,
+                                                  MorselTopology* topology);
 MORSEL_API MorselResult morsel_open_topology(MorselField field, const char* path,
                                              const MorselBuildOptions* options,
                                              MorselTopology* topology);
@@ -179,12 +188,15 @@ typedef struct MorselGeometryOptions {
   uint32_t reserved;
   uint32_t solver;     /* since 0.2: MORSEL_SOLVER_... */
   uint32_t membership; /* since 0.2: MORSEL_MEMBERSHIP_... */
+  void (*progress)(void* user, double fraction, const char* phase); /* since 0.3: as for a build */
+  int32_t (*cancel)(void* user);
+  void* user;
 } MorselGeometryOptions;
 
 typedef struct MorselGeometryInfo {
   size_t struct_size;
-  uint64_t primitives; /* primID is below this */
-  uint64_t bytes;
+  uint64_t primitives;  /* primID is below this */
+  uint64_t bytes;       /* all that it holds, but for the field and Embree's own hierarchy */
   uint64_t step_limits; /* ray tests so far that ended at the limit of evaluations: see the page */
   double lower[3];      /* lower > upper when nothing is kept */
   double upper[3];
@@ -239,7 +251,7 @@ MORSEL_API MorselResult morsel_shade_detail(MorselGeometry geometry, uint32_t pr
                                             const double point[3], MorselDetail* detail);
 
 /* ---- ray queries of one geometry ---- */
-typedef struct MorselRay {
+typedef struct MorselRay { /* does not grow */
   float origin[3];
   float direction[3]; /* of any length */
   float tnear;        /* >= 0 */
