@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C API's promise that everything may be called from several threads at once, for what makes
-// and keeps things; queries are in c_api_misuse_test. Meant to be run under ThreadSanitizer too
-// (tools/tsan.sh).
+// and keeps things; queries are in c_api_misuse_test.
 #include <atomic>
 #include <string>
 #include <thread>
