@@ -25,6 +25,7 @@ inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 // A point of a surface in world space. Either `light` or `instance` is valid.
 struct SurfaceInteraction {
   float t = 0.0f;
+  float time = 0.0f;  // of the ray
   V3f p{0.0f};
   // Where rays that leave towards the normal's side and away from it start. They are on the true
   // sides of the surface as the intersector sees it, so tnear can be 0: see accel/README.

@@ -39,11 +39,8 @@ struct SceneAccel::Impl {
     InstanceTransform transform;
     bool moves;
 
-    // Embree interpolates the matrices too.
     InstanceTransform at(const Instance& instance, float time) const {
-      return InstanceTransform(
-          instance.object_to_world * (1.0 - time) + *instance.object_to_world_end * double{time},
-          instance.name);
+      return InstanceTransform(instance.to_world(time), instance.name);
     }
   };
   const Scene& scene;
@@ -176,6 +173,7 @@ bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& int
   if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   interaction = SurfaceInteraction{};
   interaction.t = rayhit.ray.tfar;
+  interaction.time = ray.time;
   impl_->interact(ray, rayhit.hit, interaction);
   return true;
 }

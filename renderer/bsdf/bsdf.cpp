@@ -27,7 +27,7 @@ Lobe make_lobe(const SurfaceParameters& p, bool outside) {
     case MaterialType::kConductor:
       return Conductor(p.color, p.alpha);
     case MaterialType::kDielectric:
-      return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables);
+      return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables, p.scales_radiance);
     case MaterialType::kDiffuse:
       return Diffuse(p.color, p.diffuse_roughness);
     case MaterialType::kPrincipled:
@@ -37,7 +37,7 @@ Lobe make_lobe(const SurfaceParameters& p, bool outside) {
   if (p.metallic >= 1.0f) return Conductor(p.color, p.alpha);
   if (p.metallic <= 0.0f && p.transmission >= 1.0f) {
     if (p.thin) return ThinGlass(p.color, p.alpha, p.ior);
-    return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables);
+    return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables, p.scales_radiance);
   }
   if (p.metallic <= 0.0f && p.transmission <= 0.0f) {
     const Diffuse body(p.color, p.diffuse_roughness);

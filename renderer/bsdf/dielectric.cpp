@@ -24,7 +24,7 @@ void Dielectric::add_many(const V3f& wo, const V3f& wi, LobeValue& v) const {
     v.value += V3f((1.0f - c) * complement(here(), here(), alpha_, wo.z, cosine));
     v.pdf += missing * (1.0f - c) * cosine * kInvPi;
   } else {
-    v.value += tint_ * (c / square(eta_) * complement(here(), there(), alpha_, wo.z, cosine));
+    v.value += tint_ * (c / radiance_ratio_ * complement(here(), there(), alpha_, wo.z, cosine));
     v.pdf += missing * c * cosine * kInvPi;
   }
 }
@@ -47,7 +47,7 @@ std::optional<LobeSample> Dielectric::sample(const V3f& wo, float choice, const 
     s->wi = square_to_cosine_hemisphere(u);
     if (s->transmission) {
       s->wi.z = -s->wi.z;
-      s->eta_squared = square(eta_);
+      s->eta_squared = radiance_ratio_;
     }
     if (s->wi.z == 0.0f) return std::nullopt;
     v = evaluate_once(wo, s->wi);
@@ -87,7 +87,7 @@ LobeValue Dielectric::evaluate_once(const V3f& wo, const V3f& wi) const {
   }
   const float denominator = square(cos_i + cos_o / eta_);
   const float common = (1.0f - f) * d * cos_o * std::abs(cos_i) / (wo.z * denominator);
-  return {tint_ * (common * g / (eta_ * eta_)), common * masking};
+  return {tint_ * (common * g / radiance_ratio_), common * masking};
 }
 
 std::optional<LobeSample> Dielectric::sample_once(const V3f& wo, float choice, const V2f& u) const {
@@ -105,7 +105,7 @@ std::optional<LobeSample> Dielectric::sample_once(const V3f& wo, float choice, c
   if (s.transmission) {
     s.wi = normalize(wo * (-1.0f / eta_) + h * (cos_o / eta_ - cos_t));
     if (s.wi.z >= 0.0f) return std::nullopt;
-    s.eta_squared = eta_ * eta_;
+    s.eta_squared = radiance_ratio_;
     s.weight = tint_ * (1.0f / s.eta_squared);
   } else {
     s.wi = normalize(h * (2.0f * cos_o) - wo);

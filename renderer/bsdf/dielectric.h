@@ -17,12 +17,14 @@ namespace morsel::render {
 class Dielectric {
  public:
   // `tint` multiplies refracted light, each time it crosses. `ior` is that of the inside relative
-  // to the outside, `outside` where the viewer is. `tables`, if any, are those of `ior`.
+  // to the outside, `outside` where the viewer is. `tables`, if any, are those of `ior`. Without
+  // `scales_radiance` crossing light keeps its radiance.
   Dielectric(const V3f& tint, float alpha, float ior, bool outside,
-             const InterfaceTables* tables = nullptr)
+             const InterfaceTables* tables = nullptr, bool scales_radiance = true)
       : tint_(tint),
         alpha_(alpha),
         eta_(outside ? ior : 1.0f / ior),
+        radiance_ratio_(scales_radiance ? eta_ * eta_ : 1.0f),
         outside_(outside),
         tables_(delta() ? nullptr : tables) {}
 
@@ -46,6 +48,7 @@ class Dielectric {
   V3f tint_;
   float alpha_;
   float eta_;
+  float radiance_ratio_;  // what crossing light's radiance is divided by
   bool outside_;
   const InterfaceTables* tables_;
 };

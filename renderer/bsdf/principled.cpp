@@ -9,7 +9,7 @@ std::variant<Dielectric, ThinGlass> glass_of(const SurfaceParameters& p, bool ou
   if (p.thin) return ThinGlass(p.color, alpha, p.ior);
   // An index that is almost that of the surroundings would make the interface a delta lobe.
   const float ior = std::abs(p.ior - 1.0f) < 1e-3f ? 1.001f : p.ior;
-  return Dielectric(crossing_tint(p), alpha, ior, outside, p.tables);
+  return Dielectric(crossing_tint(p), alpha, ior, outside, p.tables, p.scales_radiance);
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ struct SurfaceParameters {
   float transmission = 0.0f;
   bool thin = false;
   bool absorbing = false;  // its inside has a colour of its own: `color` does not tint crossings
+  // Whether refraction changes radiance by the square of the index. Not where part of the light
+  // passes straight through (partial opacity): what goes in by one way and out by the other would
+  // keep the factor.
+  bool scales_radiance = true;
   const InterfaceTables* tables = nullptr;  // of `ior`; needed by all but diffuse and conductor
   const InterfaceTables* coat_tables = nullptr;  // of the clear coat
 };

@@ -8,6 +8,7 @@
 #include <OpenEXR/OpenEXRConfig.h>
 #include <OpenImageIO/oiioversion.h>
 
+#include <cmath>
 #include <ctime>
 
 #include "renderer/camera/camera.h"
@@ -44,12 +45,29 @@ void add_mattes(Imf::Header& header, const Scene& scene, const Film& film) {
   }
 }
 
+// Width of what the picture shows, one unit before a perspective camera; see OpenEXR's
+// screenWindowWidth.
+float screen_width(const Scene& scene) {
+  const SceneCamera& c = scene.camera;
+  const float aspect =
+      static_cast<float>(scene.settings.width) / static_cast<float>(scene.settings.height);
+  switch (c.projection) {
+    case Projection::kPerspective:
+      return 2.0f * std::tan(c.vertical_fov * (kPi / 360.0f)) * aspect;
+    case Projection::kOrthographic:
+      return c.height * aspect;
+    case Projection::kSpherical:
+      break;
+  }
+  return 1.0f;
+}
+
 Imf::Header make_header(const Scene& scene, const RenderResult& result) {
   const Film& film = result.film;
   const Crop& w = film.window();
   const Imath::Box2i display({0, 0}, {film.full_width() - 1, film.full_height() - 1});
   const Imath::Box2i data({w.x0, w.y0}, {w.x1 - 1, w.y1 - 1});
-  Imf::Header header(display, data, 1.0f, {0.0f, 0.0f}, 1.0f, Imf::INCREASING_Y,
+  Imf::Header header(display, data, 1.0f, {0.0f, 0.0f}, screen_width(scene), Imf::INCREASING_Y,
                      Imf::ZIP_COMPRESSION);
   const RenderSettings& s = scene.settings;
   const Camera camera(scene.camera, s.width, s.height);
@@ -64,6 +82,10 @@ Imf::Header make_header(const Scene& scene, const RenderResult& result) {
                   Imf::StringAttribute("Open Image Denoise " + denoiser_version()));
   Imf::addCapDate(header, local_time());
   header.insert("morsel:spp", Imf::IntAttribute(s.spp));
+  if (s.noise_target > 0.0f) {  // then spp is the most that a pixel gets
+    header.insert("morsel:noiseTarget", Imf::FloatAttribute(s.noise_target));
+    header.insert("morsel:minSpp", Imf::IntAttribute(s.min_spp));
+  }
   header.insert("morsel:maxDepth", Imf::IntAttribute(s.max_depth));
   // As text: an EXR integer is signed.
   header.insert("morsel:seed", Imf::StringAttribute(std::to_string(s.seed)));

@@ -68,8 +68,10 @@ struct PathTracer::State {
   float eta_scale = 1.0f;  // what refraction took from the throughput and will give back
   int vertex = 0;          // 0: the first hit
   int diffuse = 0, glossy = 0, transmitted = 0;  // bounces so far
+  bool ends = false;                             // the limits leave it no more than light to find
   float travelled = 0.0f;                        // from the last vertex through cut-outs
-  float cone_width = 0.0f, cone_angle = 0.0f;    // of the ray's footprint, at the last vertex
+  float inside = 0.0f;  // of that, since it passed into the body, if there is one, that absorbs
+  float cone_width = 0.0f, cone_angle = 0.0f;  // of the ray's footprint, at the last vertex
   // How the ray was chosen; a camera ray or a delta lobe has no competing light sample.
   V3f previous_p{0.0f};
   float previous_pdf = 0.0f;
@@ -125,7 +127,7 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
     const auto [radiance, pdf] = state.previous_delta
                                      ? Environment::Arriving{lights_.infinite_radiance(i, wi), 0.0f}
                                      : lights_.infinite_arriving(group, i, state.previous_p, wi);
-    if (state.vertex == 0 && i == 0) sample.alpha = 1.0f;
+    if (state.vertex == 0 && i == 0 && lights_.has_environment()) sample.alpha = 1.0f;
     if (is_black(radiance)) continue;
     const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
     add_light(state.throughput * radiance * weight, lights_.infinite_light_group(i), state.vertex,
@@ -149,8 +151,8 @@ void PathTracer::add_emitted(State& state, const SurfaceInteraction& hit, const 
 // A light of LightSet is the end of the path.
 void PathTracer::add_light_hit(State& state, const SurfaceInteraction& hit,
                                PathSample& sample) const {
-  const V3f radiance = lights_.local_radiance(hit.light, state.ray.direction);
   const bool facing = dot(state.ray.direction, hit.geometric_normal) < 0.0f;
+  const V3f radiance = lights_.local_radiance(hit.light, state.ray.direction, facing);
   if (state.features_open) {
     state.features_open = false;
     sample.albedo = state.feature_tint * clamped_to_one(radiance);
@@ -160,20 +162,32 @@ void PathTracer::add_light_hit(State& state, const SurfaceInteraction& hit,
     add_emitted(state, hit, radiance, hit.light, lights_.local_light_group(hit.light), sample);
 }
 
+void PathTracer::pass(const SurfaceInteraction& hit, const V3f& direction, float length,
+                      float& travelled, V3f& throughput) const {
+  travelled += length;
+  if (!materials_.absorbs(hit.material)) return;
+  if (dot(direction, hit.geometric_normal) > 0.0f)  // out of it
+    throughput *= materials_.transmittance(hit.material, travelled);
+  travelled = 0.0f;
+}
+
 // Share of light that comes through; 0 when something is in the way.
-float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
+V3f PathTracer::visibility(Ray shadow, RayCounts& rays) const {
+  constexpr float kBlocked = 0.0f;
   {
     const CountedRay counted(rays, RayUse::kShadow);
-    if (accel_.occluded(shadow)) return 0.0f;
+    if (accel_.occluded(shadow)) return V3f(kBlocked);
   }
-  if (!accel_.has_cutouts()) return 1.0f;
-  float passed = 1.0f;
+  V3f passed(1.0f);
+  if (!accel_.has_cutouts()) return passed;
+  float inside = 0.0f;
   for (int i = 0; i < kMostCutouts; ++i) {
     SurfaceInteraction hit;
     const CountedRay counted(rays, RayUse::kShadow);
     if (!accel_.intersect(shadow, RayKind::kCutout, hit)) return passed;
     passed *= 1.0f - materials_.opacity(hit, -normalize(shadow.direction));
-    if (!(passed > 0.0f)) return 0.0f;
+    pass(hit, shadow.direction, hit.t * shadow.direction.length(), inside, passed);
+    if (is_black(passed)) return V3f(kBlocked);
     // On from behind the surface, to the same end.
     const V3f end = shadow.origin + shadow.direction * shadow.tfar;
     shadow.origin = hit.spawn(shadow.direction);
@@ -182,15 +196,17 @@ float PathTracer::visibility(Ray shadow, RayCounts& rays) const {
       shadow.tfar = 1.0f;
     }
   }
-  return 0.0f;
+  return V3f(kBlocked);
 }
 
-// The radiance of a light sample: where a texture varies what a mesh emits it is asked.
+// The radiance of a light sample: where a texture varies what a mesh emits it is asked, and what
+// part of it is there at all.
 V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
                                 const LightSet::Sample& light) const {
   if (light.instance == LightSet::kNoLight) return light.radiance;
   const Instance& instance = scene_.instances[light.instance];
-  if (!materials_.emission_is_textured(instance.material)) return light.radiance;
+  if (!materials_.emission_is_textured(instance.material) && materials_.opaque(instance.material))
+    return light.radiance;
   SurfaceInteraction on;
   on.instance = light.instance;
   on.geometry = instance.geometry;
@@ -209,7 +225,10 @@ V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
   if (!mesh.uvs.empty()) on.uv = mixed(mesh.uvs);
   on.uv1 = mesh.uvs1.empty() ? on.uv : mixed(mesh.uvs1);
   on.geometric_normal = on.shading_normal = -light.wi;
-  return materials_.emission(on, -light.wi);
+  if (!mesh.alphas.empty()) on.vertex_alpha = mixed(mesh.alphas);
+  const V3f emitted = materials_.emission(on, -light.wi);
+  if (materials_.opaque(instance.material)) return emitted;
+  return emitted * materials_.opacity(on, -light.wi);
 }
 
 void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
@@ -232,34 +251,35 @@ void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceI
     shadow.direction = hit.p + light.wi * light.distance - shadow.origin;
     shadow.tfar = kShadowLength;
   }
-  const float visible = visibility(shadow, rays);
-  if (!(visible > 0.0f)) return;
+  const V3f visible = visibility(shadow, rays);
+  if (is_black(visible)) return;
   const float weight = light.delta ? 1.0f : mis_weight(light.pdf, lobe.pdf, true);
   add_light(
-      state.throughput * lobe.value * emitted_towards(hit, light) * (weight * visible / light.pdf),
+      state.throughput * lobe.value * emitted_towards(hit, light) * visible * (weight / light.pdf),
       light.light_group, state.vertex + 1, sample);
 }
 
-bool PathTracer::next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
-                          RayCounts& rays) const {
+PathTracer::Next PathTracer::next_hit(State& state, const PixelSampler& sampler,
+                                      SurfaceInteraction& hit, RayCounts& rays) const {
   const bool first = state.vertex == 0;
-  state.travelled = 0.0f;
+  state.travelled = state.inside = 0.0f;
   for (int passed = 0; passed < kMostCutouts; ++passed) {
     const CountedRay counted(rays, first ? RayUse::kCamera : RayUse::kBounce);
     if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kBounce, hit))
-      return false;
-    if (hit.light != kNoIndex || materials_.opaque(hit.material)) return true;
+      return Next::kEscaped;
+    if (hit.light != kNoIndex || materials_.opaque(hit.material)) return Next::kHit;
     hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
     const float opacity = materials_.opacity(hit, -state.ray.direction);
-    if (opacity >= 1.0f) return true;
-    if (sampler.get_1d(cutout_dimension(state.vertex, passed)) < opacity) return true;
+    if (opacity >= 1.0f) return Next::kHit;
+    if (sampler.get_1d(cutout_dimension(state.vertex, passed)) < opacity) return Next::kHit;
     state.travelled += hit.t;
+    pass(hit, state.ray.direction, hit.t, state.inside, state.throughput);
     state.ray.origin = hit.spawn(state.ray.direction);
   }
-  return false;
+  return Next::kBlocked;
 }
 
-// Counts a bounce; whether the path may go on.
+// Counts a bounce; whether the path may go on from what it meets next.
 bool PathTracer::within_limits(State& state, const LobeSample& scattered) const {
   const RenderSettings& s = scene_.settings;
   if (scattered.transmission) return ++state.transmitted <= s.max_transmission_depth;
@@ -280,14 +300,12 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     const bool first = state.vertex == 0;
     const std::uint64_t evaluations =
         rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations;
-    const bool found = next_hit(state, sampler, hit, rays);
+    const Next next = next_hit(state, sampler, hit, rays);
     if (first)
       result.steps = static_cast<float>(
           rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations - evaluations);
-    if (!found) {
-      add_escaped(state, result);
-      break;
-    }
+    if (next == Next::kEscaped) add_escaped(state, result);
+    if (next != Next::kHit) break;
     if (first) {
       result.alpha = 1.0f;
       result.depth = camera_.depth(hit.p);
@@ -307,14 +325,14 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
     hit.texture_random = sampler.get_1d(dimension(state.vertex, kTexture));
     if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
-      state.throughput *= materials_.transmittance(hit.material, state.travelled + hit.t);
+      state.throughput *= materials_.transmittance(hit.material, state.inside + hit.t);
     if (materials_.emits(hit.material)) {
       const V3f emitted = materials_.emission(hit, wo);
       const std::uint32_t light = lights_.emissive_triangle(hit.instance, hit.primitive);
       if (!is_black(emitted))
         add_emitted(state, hit, emitted, light, scene_.materials[hit.material].group, result);
     }
-    if (state.vertex > scene_.settings.max_depth) break;
+    if (state.ends || state.vertex > scene_.settings.max_depth) break;
 
     const MaterialSet::Shading shading = materials_.shade(hit, wo, state.smallest_alpha);
     const Bsdf bsdf(shading.parameters, hit.geometric_normal, shading.normal, wo);
@@ -335,7 +353,9 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
 
     const auto scattered = bsdf.sample(sampler.get_1d(dimension(state.vertex, kLobe)),
                                        sampler.get_2d(dimension(state.vertex, kDirection)));
-    if (!scattered || !within_limits(state, *scattered)) break;
+    if (!scattered) break;
+    // The light samples count on this ray for their part of the light it finds, as at max_depth.
+    state.ends = !within_limits(state, *scattered);
     state.throughput *= scattered->weight;
     state.eta_scale *= scattered->eta_squared;
     if (!is_finite(state.throughput)) {

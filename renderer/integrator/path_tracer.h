@@ -37,11 +37,16 @@ class PathTracer {
  private:
   struct State;
 
+  enum class Next { kHit, kEscaped, kBlocked };
   // The first hit that the path does not pass through a cut-out.
-  bool next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
+  Next next_hit(State& state, const PixelSampler& sampler, SurfaceInteraction& hit,
                 RayCounts& rays) const;
   bool within_limits(State& state, const LobeSample& scattered) const;
-  float visibility(Ray shadow, RayCounts& rays) const;
+  V3f visibility(Ray shadow, RayCounts& rays) const;
+  // Takes a surface into account that light passes straight through, `length` of way after what
+  // `travelled` counts.
+  void pass(const SurfaceInteraction& hit, const V3f& direction, float length, float& travelled,
+            V3f& throughput) const;
 
   V3f emitted_towards(const SurfaceInteraction& from, const LightSet::Sample& light) const;
   void add_light(V3f light, std::uint32_t light_group, int bounces, PathSample& sample) const;

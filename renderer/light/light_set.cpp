@@ -65,8 +65,8 @@ void LightSet::add_emissive_meshes(const Scene& scene) {
     first_triangle_.push_back(kNoLight);
     const auto* mesh = std::get_if<TriangleMesh>(&scene.geometries[instance.geometry].shape);
     const Material& material = scene.materials[instance.material];
-    // One that moves is left to BSDF samples.
-    if (mesh == nullptr || instance.object_to_world_end ||
+    // One that moves is left to BSDF samples; one that they cannot see lights nothing.
+    if (mesh == nullptr || instance.object_to_world_end || !instance.visible_to_bounces ||
         !(max_component(material.emission) > 0.0f))
       continue;
     first_triangle_.back() = static_cast<std::uint32_t>(local_.size());

@@ -50,6 +50,7 @@ class LightSet {
   };
   Sample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const;
 
+  bool has_environment() const { return environment_.has_value(); }
   // Lights infinitely far away, which an escaping ray meets: 0 is the environment if there is one,
   // then the distant lights.
   std::size_t infinite_count() const { return infinite_.size(); }
@@ -62,7 +63,9 @@ class LightSet {
   Environment::Arriving infinite_arriving(LightGroup group, std::size_t i, const V3f& p,
                                           const V3f& wi) const;
 
-  V3f local_radiance(std::size_t i, const V3f& wi) const {
+  // `from_outside`: the ray meets the side that the geometry's normal is on.
+  V3f local_radiance(std::size_t i, const V3f& wi, bool from_outside) const {
+    if (!from_outside && std::holds_alternative<Ball>(local_[i])) return V3f(0.0f);
     return std::visit([&](const auto& light) { return light.radiance(wi); }, local_[i]);
   }
   // As infinite_pdf, for a ray that hits local light `i` at `distance`.

@@ -30,6 +30,7 @@ SurfaceParameters prepare(const Material& m) {
   p.transmission = m.transmission;
   p.thin = m.thin;
   p.absorbing = m.attenuation_distance > 0.0f && !m.thin;
+  p.scales_radiance = m.opaque();
   if (m.type == MaterialType::kDielectric || m.type == MaterialType::kPrincipled)
     p.tables = &interface_albedo(m.ior);
   if (m.type == MaterialType::kPrincipled) p.coat_tables = &interface_albedo(kCoatIor);

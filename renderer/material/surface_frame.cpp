@@ -13,7 +13,7 @@ SurfaceFrame surface_frame(const Scene& scene, const SurfaceInteraction& hit, in
   const auto i0 = static_cast<std::size_t>(t.x), i1 = static_cast<std::size_t>(t.y),
              i2 = static_cast<std::size_t>(t.z);
   V3d e1, e2;
-  const Imath::M44d& m = scene.instances[hit.instance].object_to_world;
+  const Imath::M44d m = scene.instances[hit.instance].to_world(hit.time);
   m.multDirMatrix(V3d(mesh->positions[i1] - mesh->positions[i0]), e1);
   m.multDirMatrix(V3d(mesh->positions[i2] - mesh->positions[i0]), e2);
   const Imath::V2d a(uvs[i1] - uvs[i0]), b(uvs[i2] - uvs[i0]);

@@ -152,6 +152,10 @@ class Converter {
       m.roughness = 1.0f - share(number(e, "glossinessFactor", 1.0));
       set(MaterialInput::kColor, e, "diffuseTexture", ColorSpace::kSrgb,
           TextureChannel::kLuminance);
+      if (e.Has("specularGlossinessTexture"))
+        warn_(fmt::format("material \"{}\": the specularGlossinessTexture is not supported and left "
+                          "out",
+                          m.name));
     });
     with("KHR_materials_unlit", [&](const auto&) {
       m.emission = m.color;

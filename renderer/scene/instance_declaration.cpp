@@ -28,7 +28,8 @@ const Declaration& instance_declaration() {
        {.name = "visible_to_bounces",
         .type = Type::kBoolean,
         .default_value = true,
-        .help = "whether reflections, refractions and indirect light see it"},
+        .help = "whether reflections, refractions and indirect light see it; what emits and is "
+                "hidden from them lights nothing"},
        {.name = "casts_shadow",
         .type = Type::kBoolean,
         .default_value = true,

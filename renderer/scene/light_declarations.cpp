@@ -124,7 +124,9 @@ const Declaration& sky_light_declaration() {
       "stands for 10 kcd/m^2",
       {type_parameter("sky", true),
        optional_name_parameter("name of the light"),
-       angle_parameter("sun_elevation", 40.0, -90.0, 90.0, "height of the sun above the horizon"),
+       angle_parameter("sun_elevation", 40.0, -90.0, 90.0,
+                       "height of the sun above the horizon; below it the sun is gone, and the sky "
+                       "that of a sun on the horizon"),
        angle_parameter("sun_azimuth", 0.0, -360.0, 360.0, "where the sun is: 0 is -z, 90 is +x"),
        angle_parameter("sun_diameter", 0.53, 0.0, 90.0, "angular diameter of the sun"),
        {.name = "turbidity",

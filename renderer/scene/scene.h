@@ -110,8 +110,15 @@ struct Instance {
   Imath::M44d object_to_world;  // row vectors: p' = p * M, as Imath has it
   std::optional<Imath::M44d> object_to_world_end;  // at the end of the frame, if it moves
   bool visible_to_camera = true;
-  bool visible_to_bounces = true;  // to reflections, refractions and indirect light
+  // To reflections, refractions and indirect light; if not, it lights nothing either.
+  bool visible_to_bounces = true;
   bool casts_shadow = true;
+
+  // At a time of the shutter, [0, 1]: interpolated as Embree does it.
+  Imath::M44d to_world(float time) const {
+    if (!object_to_world_end) return object_to_world;
+    return object_to_world * (1.0 - double{time}) + *object_to_world_end * double{time};
+  }
 };
 
 // The sky of a clear day with its sun; see light/sky.h. Angles in degrees.

@@ -139,10 +139,14 @@ const Declaration& render_declaration() {
         .help = "path vertices beyond the first hit",
         .min = 0,
         .max = 1024},
-       depth_parameter("max_diffuse_depth", "matte reflections that a path may have"),
-       depth_parameter("max_glossy_depth",
-                       "mirror-like and glossy reflections that a path may have"),
-       depth_parameter("max_transmission_depth", "refractions that a path may have"),
+       depth_parameter("max_diffuse_depth",
+                       "matte reflections that a path may have; one more still shows the lights"),
+       depth_parameter(
+           "max_glossy_depth",
+           "mirror-like and glossy reflections that a path may have; one more still shows "
+           "the lights"),
+       depth_parameter("max_transmission_depth",
+                       "refractions that a path may have; one more still shows the lights"),
        {.name = "indirect_clamp",
         .default_value = 0.0,
         .help =

@@ -30,7 +30,7 @@ V3f checker(const CheckerTexture& c, const V3f& p) {
 V3f to_object(const Scene& scene, const SurfaceInteraction& hit, const V3f& moved) {
   if (moved == V3f(0.0f)) return moved;
   V3d step;
-  scene.instances[hit.instance].object_to_world.inverse().multDirMatrix(V3d(moved), step);
+  scene.instances[hit.instance].to_world(hit.time).inverse().multDirMatrix(V3d(moved), step);
   return V3f(step);
 }
 

@@ -123,6 +123,10 @@ TEST_F(Images, ExrHasEveryLayerAndTheWindows) {
   EXPECT_EQ(spec.channelindex("denoised.R"), -1);
   EXPECT_NE(spec.find_attribute("worldToCamera"), nullptr);
   EXPECT_NE(spec.find_attribute("worldToNDC"), nullptr);
+  const float aspect = static_cast<float>(scene_.settings.width) /
+                       static_cast<float>(scene_.settings.height);
+  EXPECT_NEAR(spec.get_float_attribute("screenWindowWidth"),
+              2.0f * std::tan(scene_.camera.vertical_fov * kPi / 360.0f) * aspect, 1e-5f);
 
   std::vector<float> data(static_cast<std::size_t>(20 * 23 * spec.nchannels));
   ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.data()));
