@@ -153,9 +153,10 @@ class Converter {
       set(MaterialInput::kColor, e, "diffuseTexture", ColorSpace::kSrgb,
           TextureChannel::kLuminance);
       if (e.Has("specularGlossinessTexture"))
-        warn_(fmt::format("material \"{}\": the specularGlossinessTexture is not supported and left "
-                          "out",
-                          m.name));
+        warn_(
+            fmt::format("material \"{}\": the specularGlossinessTexture is not supported and left "
+                        "out",
+                        m.name));
     });
     with("KHR_materials_unlit", [&](const auto&) {
       m.emission = m.color;

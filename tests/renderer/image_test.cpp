@@ -123,8 +123,8 @@ TEST_F(Images, ExrHasEveryLayerAndTheWindows) {
   EXPECT_EQ(spec.channelindex("denoised.R"), -1);
   EXPECT_NE(spec.find_attribute("worldToCamera"), nullptr);
   EXPECT_NE(spec.find_attribute("worldToNDC"), nullptr);
-  const float aspect = static_cast<float>(scene_.settings.width) /
-                       static_cast<float>(scene_.settings.height);
+  const float aspect =
+      static_cast<float>(scene_.settings.width) / static_cast<float>(scene_.settings.height);
   EXPECT_NEAR(spec.get_float_attribute("screenWindowWidth"),
               2.0f * std::tan(scene_.camera.vertical_fov * kPi / 360.0f) * aspect, 1e-5f);
 
