@@ -34,6 +34,15 @@ fs::path followed(const fs::path& file) {
   return error ? file : target;
 }
 
+// A name beside `target` that no other file of this process has.
+fs::path name_beside(const fs::path& target) {
+  static std::atomic<unsigned> serial{0};
+  fs::path name = target;
+  name.replace_filename(fmt::format(".{}.{}.{}{}", target.stem().string(), ::getpid(), serial++,
+                                    target.extension().string()));
+  return name;
+}
+
 // False when the system can't or won't; some file systems have no such operation for folders.
 bool synchronise(const fs::path& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -47,7 +56,10 @@ bool synchronise(const fs::path& path, int flags) {
 
 }  // namespace
 
-void require_replaceable(const fs::path& file) {
+namespace {
+
+// All that can be seen without writing.
+void check_place(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (file.filename().empty() || fs::is_directory(status)) fail(file, "is a folder");
@@ -58,13 +70,22 @@ void require_replaceable(const fs::path& file) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(file, std::strerror(errno));
 }
 
+}  // namespace
+
+void require_replaceable(const fs::path& file) {
+  check_place(file);
+  // Rights are not all: /proc takes no files, not even root's, and a name may be too long.
+  const fs::path probe = name_beside(followed(file));
+  const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (fd < 0) fail(file, std::strerror(errno));
+  ::close(fd);
+  ::unlink(probe.c_str());
+}
+
 ReplacingFile::ReplacingFile(const fs::path& file) : named_(file) {
-  require_replaceable(file);
+  check_place(file);
   target_ = followed(file);
-  static std::atomic<unsigned> serial{0};
-  temporary_ = target_;
-  temporary_.replace_filename(fmt::format(".{}.{}.{}{}", target_.stem().string(), ::getpid(),
-                                          serial++, target_.extension().string()));
+  temporary_ = name_beside(target_);
 }
 
 ReplacingFile::~ReplacingFile() {
