@@ -344,7 +344,7 @@ TEST_F(SceneLoaderTest, FilesThatAreNoScenesAreNamed) {
   };
   EXPECT_NE(error_of(folder_ / "gone.json").find("gone.json"), std::string::npos);
   EXPECT_NE(error_of(folder_.path()).find("directory"), std::string::npos);
-  EXPECT_NE(error_of(folder_.write("a.json", "{\n \"morsel\": 1,\n}")).find("line 3"),
+  EXPECT_NE(error_of(folder_.write("a.json", "{\n \"morsel\": 1\n 2}")).find("line 3"),
             std::string::npos);
   EXPECT_NE(error_of(folder_.write("b.json", "[]")).find("b.json"), std::string::npos);
   EXPECT_NE(error_of(folder_.write("c.json", "{}")).find("\"morsel\": 1"), std::string::npos);
