@@ -3,13 +3,17 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace morsel::topology {
@@ -34,15 +38,6 @@ fs::path followed(const fs::path& file) {
   return error ? file : target;
 }
 
-// A name beside `target` that no other file of this process has.
-fs::path name_beside(const fs::path& target) {
-  static std::atomic<unsigned> serial{0};
-  fs::path name = target;
-  name.replace_filename(fmt::format(".{}.{}.{}{}", target.stem().string(), ::getpid(), serial++,
-                                    target.extension().string()));
-  return name;
-}
-
 // False when the system can't or won't; some file systems have no such operation for folders.
 bool synchronise(const fs::path& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -54,9 +49,56 @@ bool synchronise(const fs::path& path, int flags) {
   return done;
 }
 
-}  // namespace
+// The name before a process' number and the one after it, in those of temporary files.
+struct TemporaryName {
+  std::string before, after;
+  explicit TemporaryName(const fs::path& target)
+      : before(fmt::format(".{}.", target.stem().string())), after(target.extension().string()) {}
+  std::string of(pid_t process, unsigned serial) const {
+    return fmt::format("{}{}.{}{}", before, process, serial, after);
+  }
+  // The process that a file of this name belongs to; 0: it is none of these.
+  pid_t process_of(std::string_view name) const {
+    if (name.size() < before.size() + after.size() || !name.starts_with(before) ||
+        !name.ends_with(after))
+      return 0;
+    name.remove_prefix(before.size());
+    name.remove_suffix(after.size());
+    const char* const end = name.data() + name.size();
+    pid_t process = 0;
+    unsigned serial = 0;
+    const auto [dot, bad_process] = std::from_chars(name.data(), end, process);
+    if (bad_process != std::errc() || process <= 0 || dot == end || *dot != '.') return 0;
+    const auto [last, bad_serial] = std::from_chars(dot + 1, end, serial);
+    return bad_serial == std::errc() && last == end ? process : 0;
+  }
+};
 
-namespace {
+// Takes away what programs that were killed have left of earlier writes of `target`. Whoever writes
+// still must not lose its file: the process must be gone and, since it may be one of another
+// machine or container, whose numbers say nothing here, the file must have rested for a while.
+void remove_leftovers(const fs::path& target) {
+  const TemporaryName names(target);
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const pid_t process = names.process_of(entry->path().filename().native());
+    if (process == 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    if (!entry->is_regular_file(ignored)) continue;
+    const auto written = entry->last_write_time(ignored);
+    if (ignored || fs::file_time_type::clock::now() - written < kLeftoverAge) continue;
+    fs::remove(entry->path(), ignored);
+  }
+}
+
+// A name beside `target` that no other file of this process has.
+fs::path name_beside(const fs::path& target) {
+  static std::atomic<unsigned> serial{0};
+  fs::path name = target;
+  name.replace_filename(TemporaryName(target).of(::getpid(), serial++));
+  return name;
+}
 
 // All that can be seen without writing.
 void check_place(const fs::path& file) {
@@ -85,6 +127,7 @@ void require_replaceable(const fs::path& file) {
 ReplacingFile::ReplacingFile(const fs::path& file) : named_(file) {
   check_place(file);
   target_ = followed(file);
+  remove_leftovers(target_);
   temporary_ = name_beside(target_);
 }
 
