@@ -152,8 +152,8 @@ TEST_F(CrashTest, ADiskWithoutRoomKeepsWhatWasThere) {
   folder_.write("scene.json", kCommandScene);
   ASSERT_EQ(run(kBuild).code, 0);
   ASSERT_EQ(run(kRender).code, 0);
-  const std::string cache = read_text(folder_ / "a.topo"), exr = read_text(folder_ / "a.exr");
-  const std::string png = read_text(folder_ / "a.png"), pixels = exr_pixels(folder_ / "a.exr");
+  const std::string cache = read_text(folder_ / "a.topo"), png = read_text(folder_ / "a.png");
+  const std::string pixels = exr_pixels(folder_ / "a.exr");
   std::vector<std::string> build = kBuild;
   build.emplace_back("--force");
   int failures = 0;
@@ -165,21 +165,22 @@ TEST_F(CrashTest, ADiskWithoutRoomKeepsWhatWasThere) {
         EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
         EXPECT_NE(result.err.find("No space left"), std::string::npos) << result.err;
         ++failures;
-        EXPECT_EQ(read_text(folder_ / "a.topo"), cache) << room;
-        EXPECT_EQ(read_text(folder_ / "a.exr"), exr) << room;
-        EXPECT_EQ(read_text(folder_ / "a.png"), png) << room;
+        EXPECT_TRUE(read_text(folder_ / "a.topo") == cache) << room;
+        // There may be room for the one picture and not for the other.
+        EXPECT_TRUE(exr_pixels(folder_ / "a.exr") == pixels) << room;
+        EXPECT_TRUE(read_text(folder_ / "a.png") == png) << room;
       }
       EXPECT_EQ(folder_.count_files(), 5u) << room;  // scene, cache, EXR, PNG, filler
     };
     expect_kept(run_morsel(build, here()), "a.topo");
     if (failures == 0) break;  // there was room: what follows would tell nothing
-    expect_kept(run_morsel(kRender, here()), "a.exr");
+    expect_kept(run_morsel(kRender, here()), room < 32768 ? "a.exr" : "a.");
   }
   EXPECT_GE(failures, 4);
   disk.clear();
   EXPECT_EQ(run(build).code, 0);
   EXPECT_EQ(run(kRender).code, 0);
-  EXPECT_EQ(exr_pixels(folder_ / "a.exr"), pixels);
+  EXPECT_TRUE(exr_pixels(folder_ / "a.exr") == pixels);
 }
 
 }  // namespace
