@@ -14,9 +14,11 @@
 #include "tools/bench_sweeps.h"
 #include "tools/bench_vs_mesh.h"
 #include "tools/commands.h"
+#include "tools/count_engines.h"
 #include "tools/output_file.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
+#include "topology/morse/region_growing.h"
 
 namespace morsel::tools {
 namespace {
@@ -29,6 +31,7 @@ struct Options {
   SmallRender render;
   int threads = 0;
   int layers = 0;
+  std::vector<int> engines;  // resolutions of those that have one
   bool mixed = false, scaling = false, json = false;
   std::string html;
 };
@@ -97,6 +100,16 @@ void print_sweeps(const nlohmann::json& result) {
           row["evaluations_per_ray"].get<double>());
 }
 
+void print_engines(const nlohmann::json& result) {
+  if (!result.contains("engines")) return;
+  for (const nlohmann::json& row : result["engines"])
+    std::cout << fmt::format(
+        "  {}{}: {} components{}, {:.2f} s\n", row["engine"].get<std::string>(),
+        row.contains("resolution") ? fmt::format(" {}^3", row["resolution"].get<int>()) : "",
+        row["components"].get<std::uint64_t>(), row["certified"].get<bool>() ? ", certified" : "",
+        row["seconds"].get<double>());
+}
+
 void write_page(const std::string& name, const nlohmann::json& result,
                 const std::vector<BenchPicture>& pictures) {
   OutputFile file(name);
@@ -121,6 +134,8 @@ int run(const Options& options, const Session& session) {
     throw UsageError("--mixed: needs a scene with a camera and a hypertexture");
   if (options.layers > 0 && !(camera && hypertexture))
     throw UsageError("--layers: needs a scene with a camera and a hypertexture");
+  if (!options.engines.empty() && !hypertexture)
+    throw UsageError("--engines: needs a scene with a hypertexture");
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
   execution.progress = [&](double fraction, const char* phase) {
@@ -154,6 +169,9 @@ int run(const Options& options, const Session& session) {
   if (options.layers > 0)
     result["layers"] = bench_layers(options.scene.scene, options.scene.overrides(),
                                     hypertexture->name, options.layers, small, execution, reporter);
+  if (!options.engines.empty())
+    result["engines"] =
+        count_by_engines(*hypertexture, {.resolutions = options.engines}, execution, reporter);
   result["threads"] =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   if (!options.html.empty()) write_page(options.html, result, pictures);
@@ -165,6 +183,7 @@ int run(const Options& options, const Session& session) {
   print_renderer(result);
   print_mixed(result);
   print_sweeps(result);
+  print_engines(result);
   if (!options.html.empty()) std::cout << options.html << '\n';
   return kDone;
 }
@@ -208,6 +227,13 @@ void add_bench(CLI::App& parent, Session& session) {
       ->add_option("--layers", options->layers,
                    "Also the hypertexture with 1 to this many layers of noise: labels, rays")
       ->check(CLI::Range(1, 16));
+  command
+      ->add_option("--engines", options->engines,
+                   "Also the components as every method counts them, with times: certified, Morse, "
+                   "and voxels and meshes with so many cells along each side, separated by commas")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::Range(2, topology::kMaxGridResolution));
   command->add_option("--html", options->html, "Also write a page with plots, complete in itself");
   command->add_flag("--json", options->json, "Print one JSON document");
   add_threads_option(*command, options->threads);

@@ -221,6 +221,49 @@ Line line_of(const json& rows, const char* x, const char* y, const char* name) {
   return line;
 }
 
+// Components and seconds by every method; grids against their resolution, the others as levels.
+std::string engines_section(const json& rows) {
+  double least = 1e300, most = 0.0;
+  for (const json& row : rows)
+    if (row.contains("resolution")) {
+      least = std::min(least, row["resolution"].get<double>());
+      most = std::max(most, row["resolution"].get<double>());
+    }
+  const auto lines = [&](const char* value) {
+    std::vector<Line> all;
+    for (const json& row : rows) {
+      const auto name = row["engine"].get<std::string>();
+      const double y = row[value].get<double>();
+      if (!row.contains("resolution")) {
+        all.push_back({name, {{least, y}, {most, y}}});
+        continue;
+      }
+      if (all.empty() || all.back().name != name) all.push_back({name, {}});
+      all.back().points.emplace_back(row["resolution"].get<double>(), y);
+    }
+    return all;
+  };
+  std::string html =
+      "<h2>Components, as every method counts them</h2>\n<p>Only certified labels are proved. "
+      "Voxels and a polygonal mesh of them join what is apart by less than a cell, and lose what "
+      "is smaller; the Morse engine finds critical points by proof and follows separatrices by "
+      "numbers.</p>\n";
+  html += line_plot(lines("components"), "cells along each side", "components");
+  html += line_plot(lines("seconds"), "cells along each side", "seconds");
+  html +=
+      "<table><tr><th>method</th><th>cells a side</th><th>components</th><th>certified</th>"
+      "<th>seconds</th></tr>\n";
+  for (const json& row : rows)
+    html += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td "
+        "class=\"n\">{:.3g}</td></tr>\n",
+        escaped(row["engine"].get<std::string>()),
+        row.contains("resolution") ? std::to_string(row["resolution"].get<int>()) : "",
+        row["components"].get<std::uint64_t>(), row["certified"].get<bool>() ? "yes" : "no",
+        row["seconds"].get<double>());
+  return html + "</table>\n";
+}
+
 }  // namespace
 
 std::string bench_page(const json& result, const std::vector<BenchPicture>& pictures) {
@@ -245,6 +288,7 @@ std::string bench_page(const json& result, const std::vector<BenchPicture>& pict
     html += line_plot({line_of(result["layers"], "layers", "evaluations_per_ray", "camera rays")},
                       "layers", "evaluations of the field, a ray");
   }
+  if (result.contains("engines")) html += engines_section(result["engines"]);
   std::string rows;
   add_rows(result, "", rows);
   return html + "<details><summary>All numbers</summary>\n<table>\n" + rows +

@@ -83,6 +83,7 @@ void add_cache_export(CLI::App& parent, Session& session) {
       ->add_option("--parts", options->parts,
                    "--ply: what to draw, separated by commas: maxima, saddles, separatrices")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember({"maxima", "saddles", "separatrices"}))
       ->capture_default_str();
   command

@@ -13,6 +13,7 @@
 #include "hypertexture_geom/params/json_reader.h"
 #include "hypertexture_geom/params/parameter.h"
 #include "tools/interrupt.h"
+#include "tools/man_options.h"
 #include "tools/version.h"
 #include "topology/certified.h"
 
@@ -64,6 +65,9 @@ int run_command_line(int argc, char** argv, const std::function<void(CLI::App&, 
   CLI::App app("Hypertextured implicit surfaces without their debris: caches, fields, pictures",
                "morsel");
   app.set_version_flag("--version", version_text, "Print the versions of morsel and its libraries");
+  // For make_man.sh.
+  app.add_flag_callback("--man", [&app] { throw CLI::CallForVersion(man_options(app), 0); })
+      ->group("");
   app.require_subcommand(1);
   Session session;
   session.cancel = &install_interrupt_handler();

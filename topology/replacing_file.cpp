@@ -92,9 +92,16 @@ void remove_leftovers(const fs::path& target) {
   }
 }
 
-}  // namespace
+// A name beside `target` that no other file of this process has.
+fs::path name_beside(const fs::path& target) {
+  static std::atomic<unsigned> serial{0};
+  fs::path name = target;
+  name.replace_filename(TemporaryName(target).of(::getpid(), serial++));
+  return name;
+}
 
-void require_replaceable(const fs::path& file) {
+// All that can be seen without writing.
+void check_place(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (file.filename().empty() || fs::is_directory(status)) fail(file, "is a folder");
@@ -105,13 +112,23 @@ void require_replaceable(const fs::path& file) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(file, std::strerror(errno));
 }
 
+}  // namespace
+
+void require_replaceable(const fs::path& file) {
+  check_place(file);
+  // Rights are not all: /proc takes no files, not even root's, and a name may be too long.
+  const fs::path probe = name_beside(followed(file));
+  const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (fd < 0) fail(file, std::strerror(errno));
+  ::close(fd);
+  ::unlink(probe.c_str());
+}
+
 ReplacingFile::ReplacingFile(const fs::path& file) : named_(file) {
-  require_replaceable(file);
+  check_place(file);
   target_ = followed(file);
-  static std::atomic<unsigned> serial{0};
   remove_leftovers(target_);
-  temporary_ = target_;
-  temporary_.replace_filename(TemporaryName(target_).of(::getpid(), serial++));
+  temporary_ = name_beside(target_);
 }
 
 ReplacingFile::~ReplacingFile() {

@@ -7,9 +7,10 @@
 namespace morsel::topology {
 
 // Throws std::runtime_error that names `file` and the reason when no file can appear under that
-// name: no such folder or no right to write there, a folder of that name, or something that is no
-// regular file (a device, a pipe, a socket: renaming over one would destroy it). To be called
-// before hours of work whose result goes there.
+// name: no such folder, no right to write there or no way to (a file is made there and removed at
+// once, to see), a folder of that name, or something that is no regular file (a device, a pipe, a
+// socket: renaming over one would destroy it). To be called before hours of work whose result goes
+// there.
 void require_replaceable(const std::filesystem::path& file);
 
 // A program that is killed leaves its temporary file behind. The next write of the same name
@@ -21,7 +22,7 @@ inline constexpr std::chrono::minutes kLeftoverAge{10};
 // removes what was written. A symbolic link is followed: what it points to is replaced.
 class ReplacingFile {
  public:
-  // Checks as require_replaceable does.
+  // Checks as require_replaceable does, but makes no file yet.
   explicit ReplacingFile(const std::filesystem::path& file);
   ~ReplacingFile();
   ReplacingFile(const ReplacingFile&) = delete;

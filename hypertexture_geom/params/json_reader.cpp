@@ -7,52 +7,15 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <set>
 #include <sstream>
+
+#include "hypertexture_geom/params/synonyms.h"
+#include "hypertexture_geom/params/syntax.h"
 
 namespace morsel::params {
 namespace {
 
 using nlohmann::json;
-
-// Keys of the objects that are open while parsing, to refuse duplicates: the second of two equal
-// keys would otherwise win silently.
-class DuplicateKeys {
- public:
-  bool operator()(int /*depth*/, json::parse_event_t event, const json& parsed) {
-    if (event == json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == json::parse_event_t::object_end) {
-      open_.pop_back();
-    } else if (event == json::parse_event_t::key) {
-      const std::string key = parsed.get<std::string>();
-      if (!open_.back().insert(key).second && duplicate.empty()) duplicate = key;
-    }
-    return true;
-  }
-  std::string duplicate;
-
- private:
-  std::vector<std::set<std::string>> open_;
-};
-
-// Arrays and objects within one another that a document may have. Whoever walks a document does so
-// by recursion, and names places by their whole path: both must stay small whatever a file holds.
-constexpr int kMaxDocumentDepth = 256;
-
-// "line L, column C" of a byte offset (1-based, as nlohmann counts).
-std::string position_of(const std::string& text, std::size_t byte) {
-  std::size_t line = 1, column = 1;
-  for (std::size_t i = 0; i + 1 < byte && i < text.size(); ++i) {
-    if (text[i] == '\n') {
-      ++line;
-      column = 1;
-    } else {
-      ++column;
-    }
-  }
-  return fmt::format("line {}, column {}", line, column);
-}
 
 std::string shown(const json& value) {
   std::string text = value.dump();
@@ -171,7 +134,7 @@ void check_value(const Parameter& p, const json& value, const Place& place) {
       const std::string text = value.get<std::string>();
       for (const std::string& c : p.choices)
         if (c == text) return;
-      const std::string near = nearest_name(text, p.choices);
+      const std::string near = suggested_name(text, p.choices);
       place.fail(fmt::format("unknown value \"{}\"{}; choices: {}", text,
                              near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),
                              join(p.choices)));
@@ -212,28 +175,9 @@ void Place::fail(const std::string& message) const {
 }
 
 json parse_text(const std::string& text, const std::string& name) {
-  DuplicateKeys duplicates;
-  json document;
-  try {
-    document = json::parse(
-        text,
-        [&](int depth, json::parse_event_t event, json& parsed) {
-          if (depth > kMaxDocumentDepth)
-            throw InputError(fmt::format(
-                "{}: nested too deeply: at most {} arrays and objects may hold one another", name,
-                kMaxDocumentDepth));
-          return duplicates(depth, event, parsed);
-        },
-        true, true);
-  } catch (const json::parse_error& e) {
-    throw InputError(fmt::format("{}: {}: {}", name, position_of(text, e.byte), e.what()));
-  } catch (const json::exception& e) {
-    throw InputError(fmt::format("{}: {}", name, e.what()));
-  }
-  if (!duplicates.duplicate.empty())
-    throw InputError(
-        fmt::format("{}: key \"{}\" appears twice in one object", name, duplicates.duplicate));
-  return document;
+  if (const std::string problem = syntax_problem(text); !problem.empty())
+    throw InputError(name + ": " + problem);
+  return json::parse(text, nullptr, true, true);
 }
 
 json parse_file(const std::filesystem::path& file) {
@@ -258,7 +202,7 @@ JsonReader::JsonReader(const json& object, const Declaration& declaration, Place
     bool found = false;
     for (const std::string& name : known) found = found || name == item.key();
     if (found) continue;
-    const std::string near = nearest_name(item.key(), known);
+    const std::string near = suggested_name(item.key(), known);
     (place_ / item.key())
         .fail(fmt::format("unknown key of {}{}; known keys: {}", declaration.name,
                           near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),

@@ -28,8 +28,8 @@ struct Place {
   [[noreturn]] void fail(const std::string& message) const;  // throws InputError
 };
 
-// Parses a JSON file (comments allowed). Throws InputError with file, line and column, also for
-// duplicate keys, numbers that overflow and files that can't be read.
+// Parses a JSON file (comments allowed). Throws InputError with file, line and column (see
+// syntax.h), and for files that can't be read.
 nlohmann::json parse_file(const std::filesystem::path& file);
 nlohmann::json parse_text(const std::string& text, const std::string& name);
 

@@ -30,6 +30,29 @@ using params::Place;
 const json kNoObject = json::object();
 const json kNoArray = json::array();
 
+// Whether nothing in the scene emits anything.
+bool is_dark(const Scene& scene) {
+  const auto shines = [](const Imath::V3f& light) {
+    return light.x > 0.0f || light.y > 0.0f || light.z > 0.0f;
+  };
+  const auto some = [](const auto& list, auto&& does) {
+    return std::any_of(list.begin(), list.end(), does);
+  };
+  const auto radiates = [&](const auto& light) { return shines(light.radiance); };
+  const auto emits = [&](std::uint32_t material) {
+    return shines(scene.materials[material].emission);
+  };
+  return !(scene.environment && radiates(*scene.environment)) &&
+         !some(scene.rectangles, radiates) && !some(scene.disks, radiates) &&
+         !some(scene.spheres, radiates) &&
+         !some(scene.points, [&](const auto& light) { return shines(light.intensity); }) &&
+         !some(scene.distants, [&](const auto& light) { return shines(light.irradiance); }) &&
+         !some(scene.instances, [&](const Instance& instance) {
+           return emits(instance.material) ||
+                  (instance.detached_material && emits(*instance.detached_material));
+         });
+}
+
 // Reads a document section by section into `result`. With a list of problems, a problem is noted
 // and the next element is read; without one it is thrown.
 class SceneLoader {
@@ -49,12 +72,15 @@ class SceneLoader {
     load_textures();
     load_materials();
     load_lights();
+    const bool models = !section("models", kNoArray).empty();  // which may bring lights
     if (list_all_geometries()) {
       load_instances();
+      if (!models) warn_of_darkness();
       load_geometries();
       keep_used_geometries();
     }
     load_models();
+    if (models) warn_of_darkness();
     return std::move(result_);
   }
 
@@ -89,6 +115,17 @@ class SceneLoader {
 
   void warn(const std::string& message) const {
     if (options_.warn) options_.warn(message);
+  }
+
+  // A scene without light is a valid one, but hardly what anyone wants to see.
+  void warn_of_darkness() const {
+    if (problems_ != nullptr && !problems_->empty()) return;  // a light may be what is wrong
+    if (is_dark(scene_))
+      warn(fmt::format(
+          "{}: /lights: nothing shines: there is no light, no environment and no instance of a "
+          "material with emission, so the picture will be black; {{\"type\": \"environment\"}} is "
+          "light from everywhere",
+          document_.place().file));
   }
 
   void load_textures() {

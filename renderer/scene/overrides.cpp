@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 
@@ -29,24 +30,53 @@ std::optional<std::size_t> parse_index(const std::string& text) {
   return index;
 }
 
-// The element of `array` with this "name", else with this index.
+// What an element of an array is called; empty when it has no name. An instance without one has
+// that of its geometry.
+std::string name_of(const json& element) {
+  if (!element.is_object()) return "";
+  for (const char* key : {"name", "geometry"})
+    if (const auto name = element.find(key); name != element.end() && name->is_string())
+      if (const auto text = name->get<std::string>(); !text.empty()) return text;
+  return "";
+}
+
+// "names: rock, floor; indices: 0 to 1"; of very many only the first.
+std::string elements_text(const std::vector<std::string>& names, std::size_t count) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  if (!names.empty())
+    text = fmt::format(
+        "names: {}{}; ",
+        params::join({names.begin(),
+                      names.begin() + static_cast<std::ptrdiff_t>(std::min(kShown, names.size()))}),
+        names.size() > kShown ? ", ..." : "");
+  return text + (count == 1 ? "index: 0" : fmt::format("indices: 0 to {}", count - 1));
+}
+
+// The element of `array` that is called so, else the one with this index.
 std::size_t find_element(const json& array, const std::string& key, const Override& change,
                          const params::Place& place) {
   std::vector<std::string> names;
+  std::vector<std::string> found;
   for (std::size_t i = 0; i < array.size(); ++i) {
-    if (!array[i].is_object()) continue;
-    const auto name = array[i].find("name");
-    if (name == array[i].end() || !name->is_string()) continue;
-    if (*name == key) return i;
-    names.push_back(name->get<std::string>());
+    std::string name = name_of(array[i]);
+    if (name.empty()) continue;
+    if (name == key) found.push_back(std::to_string(i));
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      names.push_back(std::move(name));
   }
-  const std::optional<std::size_t> index = parse_index(key);
-  if (index && *index < array.size()) return *index;
+  const std::optional<std::size_t> index = parse_index(found.size() == 1 ? found.front() : key);
+  if (index && found.size() < 2 && *index < array.size()) return *index;
 
+  if (array.empty())
+    place.fail(fmt::format("no element \"{}\": this array is empty ({})", key, change.source));
+  if (found.size() > 1)
+    place.fail(fmt::format("{} elements are called \"{}\"; say which by its index: {} ({})",
+                           found.size(), key, params::join(found), change.source));
   const std::string near = params::nearest_name(key, names);
-  place.fail(fmt::format("no element \"{}\" in this array of {}{}{} ({})", key, array.size(),
+  place.fail(fmt::format("no element \"{}\" in this array of {}{}; {} ({})", key, array.size(),
                          near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),
-                         names.empty() ? "" : "; names: " + params::join(names), change.source));
+                         elements_text(names, array.size()), change.source));
 }
 
 bool is_utf8(const std::string& text) {

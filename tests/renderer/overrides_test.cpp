@@ -81,6 +81,35 @@ TEST(Overrides, UnknownElementsNameTheNearest) {
             std::string::npos);
 }
 
+// An instance is called as its geometry is unless it has a name of its own.
+TEST(Overrides, InstancesWithoutNamesAreCalledAsTheirGeometries) {
+  const char* list = R"({"instances": [{"geometry": "rock"}, {"geometry": "rock", "name": "left"},
+                         {"geometry": "floor"}, {"geometry": "floor"}]})";
+  EXPECT_EQ(applied(list, "instances.rock.scale=2")["instances"][0]["scale"], 2);
+  EXPECT_EQ(applied(list, "instances.left.scale=2")["instances"][1]["scale"], 2);
+  EXPECT_EQ(applied(list, "instances.3.scale=2")["instances"][3]["scale"], 2);
+  const std::string several = error_of([&] { applied(list, "instances.floor.scale=2"); });
+  EXPECT_NE(several.find("2 elements are called \"floor\"; say which by its index: 2, 3 "
+                         "(--set instances.floor.scale=2)"),
+            std::string::npos)
+      << several;
+  const std::string none = error_of([&] { applied(list, "instances.hill.scale=2"); });
+  EXPECT_NE(none.find("names: rock, left, floor; indices: 0 to 3"), std::string::npos) << none;
+}
+
+TEST(Overrides, ListsWithoutNamesSayTheirIndices) {
+  const char* list = R"({"one": [5], "three": [{"type": "fbm"}, {}, {}], "none": []})";
+  const auto refused = [&](const std::string& text, const std::string& part) {
+    const std::string error = error_of([&] { applied(list, text); });
+    EXPECT_NE(error.find(part), std::string::npos) << error;
+  };
+  refused("one.first=3", "no element \"first\" in this array of 1; index: 0 (--set one.first=3)");
+  refused("three.fbm.seed=3", "no element \"fbm\" in this array of 3; indices: 0 to 2 (--set");
+  refused("three.-1.seed=3", "no element \"-1\" in this array of 3; indices: 0 to 2");
+  refused("three.3.seed=3", "no element \"3\" in this array of 3; indices: 0 to 2");
+  refused("none.0=3", "no element \"0\": this array is empty");
+}
+
 TEST(Overrides, PathsIntoNumbersAreRefused) {
   const std::string error =
       error_of([&] { applied(R"({"render": {"spp": 4}})", "render.spp.x=1"); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "hypertexture_geom/embree/geometry.h"
@@ -151,6 +152,43 @@ TEST_F(SceneLoaderTest, CancelStopsTheBuildAndLeavesNothing) {
 }
 
 // One wrong thing in an otherwise right scene: what --set writes, and what the message must hold.
+TEST_F(SceneLoaderTest, SaysWhenNothingShines) {
+  const auto dark = [&](const std::vector<std::string>& set) {
+    warnings_.clear();
+    load(set);
+    const auto says = [](const std::string& warning) {
+      return warning.find("/lights: nothing shines") != std::string::npos;
+    };
+    EXPECT_LE(std::count_if(warnings_.begin(), warnings_.end(), says), 1);
+    return std::any_of(warnings_.begin(), warnings_.end(), says);
+  };
+  EXPECT_FALSE(dark({}));
+  EXPECT_TRUE(dark({"lights=[]"}));
+  EXPECT_TRUE(dark({"lights=[{\"type\": \"environment\", \"radiance\": 0}]"}));
+  for (const char* light :
+       {R"({"type": "environment"})", R"({"type": "sky"})",
+        R"({"type": "rectangle", "position": [0, 3, 0], "look_at": [0, 0, 0], "size": [1, 1]})",
+        R"({"type": "disk", "position": [0, 3, 0], "look_at": [0, 0, 0]})",
+        R"({"type": "sphere", "position": [0, 3, 0]})",
+        R"({"type": "point", "position": [0, 3, 0]})", R"({"type": "distant"})"})
+    EXPECT_FALSE(dark({"lights=[" + std::string(light) + "]"})) << light;
+  // A material that shines does so only where an instance has it.
+  const std::string shining = R"(materials.metal={"name": "metal", "type": "principled", )"
+                              R"("emission": [0, 1, 0]})";
+  EXPECT_FALSE(dark({"lights=[]", shining}));
+  EXPECT_TRUE(dark({"lights=[]", shining, "instances.triangle.material=white"}));
+  EXPECT_FALSE(dark({"lights=[]", shining, "instances.triangle.material=white",
+                     "instances.rock.detached_material=metal"}));
+  // scene check says so too, unless a light is what is wrong.
+  warnings_.clear();
+  EXPECT_TRUE(check_scene(small_scene(), parse({"lights=[]"}), options()).empty());
+  EXPECT_EQ(warnings_.size(), 1u);
+  warnings_.clear();
+  EXPECT_EQ(check_scene(small_scene(), parse({"lights=[{\"type\": \"lamp\"}]"}), options()).size(),
+            1u);
+  EXPECT_TRUE(warnings_.empty());
+}
+
 struct BadInput {
   const char* name;
   std::string set;
@@ -186,7 +224,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"Version", "morsel=2", {": /morsel: ", "2 is out of range"}},
         BadInput{"UnknownSection", "light=[]", {": /light: ", "did you mean \"lights\""}},
         BadInput{"SectionType", "materials={}", {": /materials: ", "must be an array"}},
-        BadInput{"UnknownKey", "camera.fov=40", {": /camera/fov: ", "unknown key", "vertical_fov"}},
+        BadInput{"UnknownKey",
+                 "camera.fov=40",
+                 {": /camera/fov: ", "unknown key", "did you mean \"vertical_fov\""}},
+        BadInput{"TypeOfAnotherRenderer",
+                 "materials.white.type=lambertian",
+                 {": /materials/0/type: ", "did you mean \"diffuse\""}},
         BadInput{
             "WrongType", "render.spp=many", {": /render/spp: ", "must be an integer", "\"many\""}},
         BadInput{
@@ -315,7 +358,7 @@ TEST_F(SceneLoaderTest, FilesThatAreNoScenesAreNamed) {
   };
   EXPECT_NE(error_of(folder_ / "gone.json").find("gone.json"), std::string::npos);
   EXPECT_NE(error_of(folder_.path()).find("directory"), std::string::npos);
-  EXPECT_NE(error_of(folder_.write("a.json", "{\n \"morsel\": 1,\n}")).find("line 3"),
+  EXPECT_NE(error_of(folder_.write("a.json", "{\n \"morsel\": 1\n 2}")).find("line 3"),
             std::string::npos);
   EXPECT_NE(error_of(folder_.write("b.json", "[]")).find("b.json"), std::string::npos);
   EXPECT_NE(error_of(folder_.write("c.json", "{}")).find("\"morsel\": 1"), std::string::npos);

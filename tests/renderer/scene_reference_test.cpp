@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "hypertexture_geom/params/synonyms.h"
 #include "renderer/scene/declarations.h"
 #include "renderer/scene/scene_json.h"
 #include "renderer/scene/scene_reference.h"
@@ -67,6 +68,44 @@ TEST(SceneSchema, HasEveryTypeOnce) {
   }
   EXPECT_EQ(schema["properties"]["lights"]["items"]["allOf"][0]["$ref"], "#/definitions/light");
   EXPECT_EQ(schema["properties"]["camera"]["properties"]["up"]["type"], "array");
+}
+
+// What other renderers call a thing is answered with something that there is.
+TEST(SceneSynonyms, EachStandsForAKeyOrATypeOfScenes) {
+  const std::string schema = scene_schema().dump();
+  std::set<std::pair<std::string_view, std::string_view>> seen;
+  for (const auto& [theirs, ours] : params::synonyms()) {
+    EXPECT_NE(schema.find("\"" + std::string(ours) + "\""), std::string::npos) << ours;
+    EXPECT_TRUE(std::all_of(theirs.begin(), theirs.end(), [](char c) {
+      return c >= 'a' && c <= 'z';
+    })) << theirs;
+    EXPECT_NE(theirs, ours);
+    EXPECT_TRUE(seen.emplace(theirs, ours).second) << theirs;
+  }
+}
+
+TEST(SceneSynonyms, AreFoundWhereTheyMeanSomething) {
+  const auto suggested = [](const char* name, const params::Declaration& declaration) {
+    std::vector<std::string> known;
+    for (const params::Parameter& p : declaration.parameters) known.push_back(p.name);
+    return params::suggested_name(name, known);
+  };
+  EXPECT_EQ(suggested("fov", camera_declaration()), "vertical_fov");
+  EXPECT_EQ(suggested("lookAt", camera_declaration()), "look_at");
+  EXPECT_EQ(suggested("look_from", camera_declaration()), "position");
+  EXPECT_EQ(suggested("samples-per-pixel", render_declaration()), "spp");
+  EXPECT_EQ(suggested("width", render_declaration()), "resolution");
+  EXPECT_EQ(suggested("height", render_declaration()), "resolution");
+  EXPECT_EQ(suggested("albedo", diffuse_declaration()), "color");
+  EXPECT_EQ(suggested("baseColor", principled_declaration()), "color");
+  EXPECT_EQ(suggested("alpha", principled_declaration()), "opacity");
+  EXPECT_EQ(suggested("alpha", conductor_declaration()), "roughness");
+  EXPECT_EQ(suggested("intensity", rectangle_light_declaration()), "radiance");
+  EXPECT_EQ(suggested("radiance", point_light_declaration()), "intensity");
+  EXPECT_EQ(suggested("emitters", scene_declaration()), "lights");
+  // Misspelt words are found as before, and others are not.
+  EXPECT_EQ(suggested("resolutoin", render_declaration()), "resolution");
+  EXPECT_EQ(suggested("albedo", camera_declaration()), "");
 }
 
 }  // namespace

@@ -121,6 +121,50 @@ TEST_F(BenchCommandTest, ThePageIsCompleteInItself) {
   EXPECT_NE(page.find(value), std::string::npos) << value;
 }
 
+// Voxels, a mesh of them, critical points and certified labels, in numbers and in the page.
+TEST_F(BenchCommandTest, ThePageComparesTheEnginesOfTopology) {
+  const std::string page_file = (folder_ / "engines.html").string();
+  const CommandResult result =
+      run_morsel({"bench", "--engines", "16,64", rock_, "--error", "0.02", "--resolution", "16",
+                  "--repetitions", "1", "--render-width", "16", "--render-spp", "1", "--html",
+                  page_file, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json rows = json::parse(result.out)["engines"];
+  ASSERT_EQ(rows.size(), 6u);
+  const std::string page = read_text(page_file);
+  EXPECT_EQ(count_of(page, "<svg class=\"plot\""), 3);    // ratios, components, seconds
+  EXPECT_EQ(count_of(page, "<polyline"), 8);              // four methods, twice
+  EXPECT_EQ(count_of(page, "<circle"), 2 * (2 + 2 + 4));  // levels have two ends
+  for (const json& row : rows) {
+    const std::string engine = row["engine"];
+    EXPECT_EQ(row["certified"], engine == "certified") << engine;
+    const std::string resolution =
+        row.contains("resolution") ? std::to_string(row["resolution"].get<int>()) : "";
+    // The table says what was counted.
+    EXPECT_NE(page.find("<tr><td>" + engine + "</td><td class=\"n\">" + resolution +
+                        "</td><td class=\"n\">" + row["components"].dump() + "</td><td>" +
+                        (engine == "certified" ? "yes" : "no") + "</td>"),
+              std::string::npos)
+        << engine;
+    EXPECT_EQ(count_of(page, ">" + engine + "</text>"), 2) << engine;
+  }
+  // Both proofs agree; what coarse grids say need not.
+  EXPECT_EQ(rows[0]["components"], rows[1]["components"]);
+  // A level is level: the certified line has one height.
+  const std::size_t line = page.find("<polyline");
+  const std::string points = page.substr(line, page.find("fill", line) - line);
+  const std::size_t first = points.find(','), second = points.find(',', first + 1);
+  EXPECT_EQ(points.substr(first, points.find(' ', first) - first),
+            points.substr(second, points.find(' ', second) - second))
+      << points;
+  EXPECT_EQ(run_morsel({"bench", rock_, "--engines", "1"}).code, 2);
+  const CommandResult text =
+      run_morsel({"bench", rock_, "--engines", "16", "--error", "0.02", "--resolution", "16",
+                  "--repetitions", "1", "--render-width", "16", "--render-spp", "1"});
+  EXPECT_NE(text.out.find("voxel 16^3: "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find(" components, certified, "), std::string::npos) << text.out;
+}
+
 // The scene's render against that of the same surface as triangles: the same picture.
 TEST_F(BenchCommandTest, AMixedSceneIsComparedWithMeshesAlone) {
   const std::vector<std::string> small = {"--error",        "0.002", "--resolution", "16",
@@ -149,7 +193,7 @@ TEST_F(BenchCommandTest, ABrowserShowsThePage) {
   const std::filesystem::path page = folder_ / "bench.html";
   ASSERT_EQ(run_morsel({"bench", rock_, "--error", "0.02", "--resolution", "16", "--repetitions",
                         "1", "--render-width", "16", "--render-spp", "1", "--scaling", "--mixed",
-                        "--html", page.string()})
+                        "--engines", "16,32", "--html", page.string()})
                 .code,
             0);
   // Written out by the page itself once all is loaded: what is drawn, and how large.
@@ -166,7 +210,7 @@ TEST_F(BenchCommandTest, ABrowserShowsThePage) {
                               "--dump-dom 'file://" +
                               probe + "' >'" + shown + "' 2>/dev/null";
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  EXPECT_NE(read_text(shown).find("<title>shown:3:16x12,16x12</title>"), std::string::npos)
+  EXPECT_NE(read_text(shown).find("<title>shown:5:16x12,16x12</title>"), std::string::npos)
       << read_text(shown).substr(0, 200);
 }
 

@@ -234,6 +234,10 @@ TEST_F(EnginesCommandTest, ComparesMethods) {
   for (const json& row : rows) EXPECT_GE(row["seconds"].get<double>(), 0.0);
   EXPECT_EQ(result.err.find("is cut there"), std::string::npos) << result.err;
   EXPECT_EQ(run_morsel({"cache", "compare", scene_, "--resolution", "1"}).code, 2);
+  // A list does not swallow the scene behind it.
+  const CommandResult behind = run_morsel(
+      {"cache", "compare", "--engine", "voxel", "--resolution", "16", scene_, "--threads", "1"});
+  EXPECT_EQ(behind.code, 0) << behind.err;
 }
 
 TEST_F(EnginesCommandTest, ComparisonWarnsWhereTheBoxCutsTheSolid) {

@@ -300,5 +300,38 @@ TEST_F(RenderCommandTest, FoldersThatAreReadOnlyAreFoundFirst) {
   }
 }
 
+// Even root may not write there, whatever its rights say.
+TEST_F(RenderCommandTest, PlacesThatTakeNoFilesAreFoundFirst) {
+  CommandOptions options;
+  options.folder = folder_.path();
+  const std::string long_name(250, 'x');
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"-o", "/proc/a.exr"},
+                                             {"--png", "/proc/a.png"},
+                                             {"--checkpoint", "/proc/a.checkpoint"},
+                                             {"--preview", "/proc/a.png"},
+                                             {"--stats", "json:/proc/s.json"},
+                                             {"-o", long_name + "/a.exr"},
+                                             {"-o", long_name + ".exr"}}) {
+    std::vector<std::string> arguments{"render", "scene.json", "--progress", "plain"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const CommandResult result = run_morsel(arguments, options);
+    EXPECT_EQ(result.code, 1) << flags[1];
+    EXPECT_NE(result.err.find(": cannot write: "), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("rendering"), std::string::npos) << result.err;
+    EXPECT_EQ(folder_.count_files(), 1u);
+  }
+}
+
+TEST_F(RenderCommandTest, ASceneWithoutLightSaysSo) {
+  const std::vector<std::string> dark{"--set", "lights=[]"};
+  const CommandResult result = render(dark);
+  EXPECT_EQ(result.code, 0) << result.err;
+  const std::size_t at = result.err.find("nothing shines");
+  EXPECT_NE(at, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("nothing shines", at + 1), std::string::npos) << result.err;
+  EXPECT_EQ(render({}).err.find("nothing shines"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace morsel::test
