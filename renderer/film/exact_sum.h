@@ -14,6 +14,17 @@ namespace morsel::render {
 
 __extension__ typedef __int128 Int128;
 
+// x in steps of 2^-64, rounded towards 0; |x| < 2^63. Conversions to 128 bits are calls.
+inline Int128 in_steps(double x) {
+  const double magnitude = std::abs(x);
+  const auto whole = static_cast<std::int64_t>(magnitude);
+  const double first = (magnitude - static_cast<double>(whole)) * 0x1p32;
+  const auto upper = static_cast<std::int64_t>(first);
+  const auto lower = static_cast<std::int64_t>((first - static_cast<double>(upper)) * 0x1p32);
+  const Int128 steps = Int128{whole} << 64 | Int128{upper} << 32 | lower;
+  return x < 0.0 ? -steps : steps;
+}
+
 // A colour, of which samples are added: steps of 2^-64, each sample clamped to +-2^40, so that 2^20
 // samples (the most that a scene may ask for) and more cannot overflow.
 struct ColorSum {
@@ -21,8 +32,7 @@ struct ColorSum {
 
   // Finite values only.
   void add(const V3f& c) {
-    for (int i = 0; i < 3; ++i)
-      channel[i] += static_cast<Int128>(std::clamp(double{c[i]}, -kMost, kMost) * 0x1p64);
+    for (int i = 0; i < 3; ++i) channel[i] += in_steps(std::clamp(double{c[i]}, -kMost, kMost));
   }
   void add(const ColorSum& other) {
     for (int i = 0; i < 3; ++i) channel[i] += other.channel[i];
@@ -39,8 +49,7 @@ struct SquareSum {
   Int128 channel[3] = {0, 0, 0};
 
   void add(const V3f& c) {
-    for (int i = 0; i < 3; ++i)
-      raise(channel[i], static_cast<Int128>(std::min(double{c[i]} * c[i], 0x1p61) * 0x1p64));
+    for (int i = 0; i < 3; ++i) raise(channel[i], in_steps(std::min(double{c[i]} * c[i], 0x1p61)));
   }
   void add(const SquareSum& other) {
     for (int i = 0; i < 3; ++i) raise(channel[i], other.channel[i]);
