@@ -12,6 +12,7 @@
 #include "renderer/mesh/model_readers.h"
 #include "renderer/mesh/normals.h"
 #include "renderer/mesh/obj_check.h"
+#include "renderer/mesh/ply_check.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -121,6 +122,7 @@ Model load_model(const fs::path& file, const std::function<void(const std::strin
   const std::string extension = check_file(file);
   if (is_gltf(extension)) return read_gltf_model(file, tell);
   const ObjNames names = extension == ".obj" ? check_obj(file) : ObjNames{};
+  if (extension == ".ply") check_ply(file);
   warn_of_missing_materials(file, names, tell);
   return read_model_with_assimp(file, names, tell);
 }
@@ -128,6 +130,7 @@ Model load_model(const fs::path& file, const std::function<void(const std::strin
 TriangleMesh load_mesh(const fs::path& file) {
   const std::string extension = check_file(file);
   const ObjNames names = extension == ".obj" ? check_obj(file) : ObjNames{};
+  if (extension == ".ply") check_ply(file);
   TriangleMesh mesh = is_gltf(extension) ? read_gltf(file) : read_with_assimp(file, names);
   validate_mesh(mesh, file.string());
   normalise_normals(mesh);
