@@ -59,16 +59,15 @@ struct TooCoarse {
   bool level = false;        // in some it is the level that is too far from F = 0
 };
 
-TooCoarse too_coarse(const CellSet& cells, const Draft& d) {
+TooCoarse too_coarse(const CellSet& cells, const Draft& d, bool level_is_lowest) {
   TooCoarse result{std::vector<bool>(cells.size(), false)};
   for (std::size_t i = 0; i < d.fillings.size(); ++i) {
     const std::uint32_t cell = d.polygons.polygons[i].cell;
     if (d.fillings[i].error <= cells.error() || cells[cell].depth >= cells.max_depth()) continue;
     const CellBounds& bounds = cells.bounds(cell);
-    if (bounds.slope > 0.0 && cells.level() > 0.25 * bounds.slope * bounds.reach) {
-      result.level = true;  // and in smaller cells all the more
-      continue;
-    }
+    if (!level_is_lowest && bounds.slope > 0.0 &&
+        cells.level() > 0.25 * bounds.slope * bounds.reach)
+      result.level = true;
     result.marked[cell] = true;
     result.any = true;
   }
@@ -212,8 +211,8 @@ Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std:
     const LevelField<const ScalarField*> level_field(&field, goal.level);
     const CellSet set(level_field, grid, std::move(cells), goal);
     Draft draft = draw(set, execution);
-    const TooCoarse coarse = too_coarse(set, draft);
-    if (coarse.level && goal.level > levels.lowest) {
+    const TooCoarse coarse = too_coarse(set, draft, goal.level <= levels.lowest);
+    if (coarse.level) {
       goal.level = levels.below(goal.level);
       cells = cells_at(goal.level, field, grid, labelled(), goal, execution);
     } else if (coarse.any) {

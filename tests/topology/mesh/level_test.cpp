@@ -49,6 +49,8 @@ TEST(MeshLevel, BridgesAndGapsBelowTheLevel) {
         ASSERT_TRUE(t.certified);
         const Mesh mesh = mesh_of(field, t, error);
         EXPECT_TRUE(mesh.certified);
+        EXPECT_LE(mesh.error_bound, error);
+        EXPECT_EQ(mesh.unresolved_cells, 0u);
         expect_closed_manifold(mesh);
         const std::vector<MeshComponent> parts = mesh_components(mesh);
         ASSERT_EQ(parts.size(), joined ? 1u : 2u);
