@@ -47,7 +47,7 @@ nlohmann::json describe_unresolved(const topology::Unresolved& u) {
 }
 
 void report(const Options& options, const geom::Hypertexture& hypertexture, const std::string& keep,
-            const topology::Mesh& mesh, double seconds, Reporter& reporter) {
+            const topology::Mesh& mesh, bool labels_certified, double seconds, Reporter& reporter) {
   const std::vector<topology::MeshComponent> parts = topology::mesh_components(mesh);
   if (mesh.unresolved_cells > 0) {
     const Imath::V3d at = topology::centre(mesh.unresolved[0].box);
@@ -64,6 +64,7 @@ void report(const Options& options, const geom::Hypertexture& hypertexture, cons
                              {"error", options.mesh.error},
                              {"error_bound", mesh.error_bound},
                              {"certified", mesh.certified},
+                             {"labels_certified", labels_certified},
                              {"unresolved_cells", mesh.unresolved_cells},
                              {"vertices", mesh.positions.size()},
                              {"triangles", mesh.triangles.size()},
@@ -79,11 +80,12 @@ void report(const Options& options, const geom::Hypertexture& hypertexture, cons
     return;
   }
   std::cout << fmt::format(
-      "{}: {} triangles, {} vertices, {} component{} of {}, within {:.3g} of the surface, {}, "
+      "{}: {} triangles, {} vertices, {} component{} of {}, within {:.3g} of the surface, {}{}, "
       "{:.2f} s\n",
       options.output, mesh.triangles.size(), mesh.positions.size(), parts.size(),
       parts.size() == 1 ? "" : "s", hypertexture.name, mesh.error_bound,
-      mesh.certified ? "topology certified" : "topology NOT certified", seconds);
+      mesh.certified ? "topology certified" : "topology NOT certified",
+      labels_certified ? "" : ", labels NOT certified", seconds);
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < std::min(parts.size(), kShown); ++i)
     std::cout << fmt::format(
@@ -123,17 +125,19 @@ int run(const Options& options, const Session& session) {
   const auto cache = render::CacheStore(document).get(
       hypertexture, execution, [&](const std::string& message) { reporter.warn(message); });
   const topology::Topology& t = cache.cache->topology;
+  for (const std::string& text : render::topology_warnings(hypertexture, t)) reporter.warn(text);
+  // What rounding to floats may add is left to it.
+  topology::MeshOptions within = options.mesh;
+  within.error *= 0.99;
   const auto start = std::chrono::steady_clock::now();
-  const topology::Mesh mesh = topology::extract_mesh(
+  topology::Mesh mesh = topology::extract_mesh(
       *hypertexture.field, t.octree(), topology::kept_components(keep, t.components, t.octree()),
-      options.mesh, execution);
+      within, execution);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (extension == ".ply")
-    write_ply(file.stream(), mesh, options.mesh.error);
-  else
-    write_glb(file.stream(), mesh, options.mesh.error);
+  mesh.error_bound += extension == ".ply" ? write_ply(file.stream(), mesh, options.mesh.error)
+                                          : write_glb(file.stream(), mesh, options.mesh.error);
   file.commit();
-  report(options, hypertexture, keep.to_string(), mesh, seconds.count(), reporter);
+  report(options, hypertexture, keep.to_string(), mesh, t.certified, seconds.count(), reporter);
   return kDone;
 }
 

@@ -31,12 +31,23 @@ Imath::Box3d bounds_of(const topology::Mesh& mesh) {
   return box;
 }
 
-// Whether floats are good enough for coordinates of this size.
-bool float_suffices(const Imath::Box3d& box, double error) {
-  if (box.isEmpty()) return true;
+// A bound on how far floats move a point with coordinates of this size: half a unit in the last
+// place along each axis.
+double float_rounding(const Imath::Box3d& box) {
+  if (box.isEmpty()) return 0.0;
   double reach = 0.0;
   for (int i = 0; i < 3; ++i) reach = std::max({reach, std::abs(box.min[i]), std::abs(box.max[i])});
-  return reach * std::numeric_limits<float>::epsilon() <= 0.01 * error;
+  return 0.5 * std::sqrt(3.0) * reach * std::numeric_limits<float>::epsilon();
+}
+
+constexpr double kShareOfRounding = 0.01;  // of the error
+
+bool floats_keep_corners_apart(const topology::Mesh& mesh) {
+  const auto at = [&](std::uint32_t i) { return Imath::V3f(mesh.positions[i]); };
+  return std::none_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    const Imath::V3f p = at(t[0]), q = at(t[1]), r = at(t[2]);
+    return p == q || q == r || r == p;
+  });
 }
 
 void write(std::ostream& out, const Bytes& bytes) {
@@ -65,8 +76,9 @@ int add_accessor(tinygltf::Model& model, const Bytes& bytes, std::size_t count, 
 
 }  // namespace
 
-void write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
-  const bool as_float = float_suffices(bounds_of(mesh), error);
+double write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
+  const double rounding = float_rounding(bounds_of(mesh));
+  const bool as_float = rounding <= kShareOfRounding * error && floats_keep_corners_apart(mesh);
   const char* real = as_float ? "float" : "double";
   out << fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment counter-clockwise from outside; component: id "
@@ -98,9 +110,10 @@ void write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
     flush(kFlush);
   }
   flush(0);
+  return as_float ? rounding : 0.0;
 }
 
-void write_glb(std::ostream& out, const topology::Mesh& mesh, double error) {
+double write_glb(std::ostream& out, const topology::Mesh& mesh, double error) {
   constexpr std::uint64_t kHeader = 4096;  // more than the JSON part takes
   const std::uint64_t size = kHeader + 28 * std::uint64_t{mesh.positions.size()} +
                              12 * std::uint64_t{mesh.triangles.size()};
@@ -108,11 +121,19 @@ void write_glb(std::ostream& out, const topology::Mesh& mesh, double error) {
     throw std::runtime_error(
         fmt::format("the mesh takes {} bytes, but .glb ends at 4 GiB: write .ply", size));
 
-  const Imath::Box3d box = bounds_of(mesh);
-  const bool moved = !float_suffices(box, error);
+  Imath::Box3d box = bounds_of(mesh);
+  const bool moved = float_rounding(box) > kShareOfRounding * error;
   Imath::V3d origin(0.0);
-  if (moved)
-    for (int i = 0; i < 3; ++i) origin[i] = std::round(0.5 * (box.min[i] + box.max[i]));
+  if (moved) {
+    origin = box.center();
+    box = {box.min - origin, box.max - origin};
+  }
+  const double rounding = float_rounding(box);
+  if (rounding > kShareOfRounding * error)
+    throw std::runtime_error(
+        fmt::format("the floats of .glb are off by {:.2g} here, which is more than a hundredth of "
+                    "the error {:.2g}: write .ply, which can hold doubles",
+                    rounding, error));
   Bytes positions, normals, components, indices;
   std::vector<double> low(3, std::numeric_limits<double>::infinity()), high(3, -low[0]);
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
@@ -166,6 +187,7 @@ void write_glb(std::ostream& out, const topology::Mesh& mesh, double error) {
   tinygltf::TinyGLTF writer;
   if (!writer.WriteGltfSceneToStream(&model, out, false, true))
     throw std::runtime_error("the glTF library could not write the mesh");
+  return rounding;
 }
 
 }  // namespace morsel::tools

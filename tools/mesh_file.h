@@ -8,16 +8,18 @@
 namespace morsel::tools {
 
 // Both formats hold per vertex: position, normal, component (its id in the table of components).
-// `error` is the mesh's: positions are stored so that their rounding is at most a hundredth of it.
+// `error` is what the file may be from the surface: positions are stored so that their rounding is
+// at most a hundredth of it. Both return a bound on how far rounding has moved a point of the mesh.
 
-// Binary little-endian PLY: float (double where float is too coarse) x y z, float nx ny nz, uint
+// Binary little-endian PLY: float (double where float is too coarse, or would make vertices of a
+// triangle coincide) x y z, float nx ny nz, uint
 // component; faces as lists of uint. Throws std::runtime_error when a count exceeds the format's.
-void write_ply(std::ostream& out, const topology::Mesh& mesh, double error);
+double write_ply(std::ostream& out, const topology::Mesh& mesh, double error);
 
 // Binary glTF 2.0, one primitive: POSITION and NORMAL as float, _COMPONENT as float (glTF allows no
 // 32-bit integers there), indices as uint. Positions are relative to the node's translation, which
-// is zero unless float is too coarse far from the origin. Throws std::runtime_error beyond 4 GiB,
-// the format's limit.
-void write_glb(std::ostream& out, const topology::Mesh& mesh, double error);
+// is zero unless float is too coarse far from the origin; then the middle of the mesh. Throws
+// std::runtime_error when float is too coarse even so, and beyond 4 GiB, the format's limit.
+double write_glb(std::ostream& out, const topology::Mesh& mesh, double error);
 
 }  // namespace morsel::tools

@@ -36,6 +36,7 @@ source tools/lib/packages.sh
 source tools/lib/build.sh
 
 MORSEL_PACKAGES+=("${MORSEL_TEST_PACKAGES[@]}")
+if [[ ${presets[*]} == *slow* ]]; then MORSEL_PACKAGES+=("${MORSEL_SLOW_TEST_PACKAGES[@]}"); fi
 if [[ $packages == yes ]]; then install_packages; fi
 configure_and_build
 for preset in "${presets[@]}"; do

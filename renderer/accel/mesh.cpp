@@ -59,38 +59,47 @@ void interact_with_mesh(const TriangleMesh& mesh, const InstanceTransform& trans
   // In double, so that the point is in the triangle's plane to far below a float's rounding.
   const V3d local = p0 * b0 + p1 * b1 + p2 * b2;
   const V3d e1 = p1 - p0, e2 = p2 - p0;
-  const V3d scaled_normal = e1.cross(e2);
-  const double area = std::sqrt(scaled_normal.dot(scaled_normal));
-  // A triangle without area cannot be hit; should rounding have it otherwise, nothing goes NaN.
-  const V3d n = area > 0.0 ? scaled_normal / area : V3d(0.0, 0.0, 1.0);
+  // As long as twice the triangle's area. One without cannot be hit; should rounding have it
+  // otherwise, nothing goes NaN.
+  V3d n = e1.cross(e2);
+  double area = std::sqrt(n.dot(n));
+  if (!(area > 0.0)) [[unlikely]] {
+    n = V3d(0.0, 0.0, 1.0);
+    area = 1.0;
+  }
   const V3d world = transform.point_to_world(local);
   s.p = V3f(world);
   s.object_p = V3f(local);
-  s.object_normal = V3f(n);
   s.object_scale = transform.mean_scale();
-  double stretch;
-  const V3d world_normal = transform.normal_to_world(n, stretch);
+  double length;  // `area` times what the transform stretches
+  const V3d world_normal = transform.normal_to_world(n, length);
   s.geometric_normal = V3f(world_normal);
 
   // How far off the plane, in object space, Embree may take a ray's origin to be: the transform's
   // error along the normal; its vertices relative to the origin round once; its normal, a cross
-  // product in float, is as much worse as the triangle is slim.
+  // product in float, is as much worse as the triangle is slim. All of it times `area`.
   const V3d error = transform.object_error(s.p);
   const double from_transform =
       error.x * std::abs(n.x) + error.y * std::abs(n.y) + error.z * std::abs(n.z);
-  const double size = std::sqrt(std::max(e1.dot(e1), e2.dot(e2)));
-  const double slimness =
-      std::min(100.0, std::max(1.0, std::sqrt(e1.dot(e1) * e2.dot(e2)) / std::max(area, 1e-300)));
-  const double magnitude = std::max(std::max(max_abs(V3f(p0)), max_abs(V3f(p1))), max_abs(V3f(p2)));
-  const double in_object = from_transform + 0x1p-24 * (8.0 * size * slimness + 2.0 * magnitude);
-  set_spawn_points(world, world_normal, in_object / stretch, s);
+  const double l1 = std::sqrt(e1.dot(e1)), l2 = std::sqrt(e2.dot(e2));
+  const double slimness = std::min(100.0 * area, std::max(area, l1 * l2));
+  const double magnitude =
+      std::max(std::max(max_abs(mesh.positions[i0]), max_abs(mesh.positions[i1])),
+               max_abs(mesh.positions[i2]));
+  const double off =
+      from_transform + 0x1p-24 * (8.0 * std::max(l1, l2) * slimness + 2.0 * magnitude * area);
+  set_spawn_points(world, world_normal, off / length, s);
 
-  s.shading_normal = s.geometric_normal;
-  if (!mesh.normals.empty()) {
-    const V3d mean =
-        V3d(mesh.normals[i0]) * b0 + V3d(mesh.normals[i1]) * b1 + V3d(mesh.normals[i2]) * b2;
-    const V3f shading(transform.normal_to_world(mean));
-    if (mean.dot(mean) > 0.0) s.object_normal = V3f(mean.normalized());
+  if (mesh.normals.empty()) {
+    s.object_normal = V3f(n / area);
+    s.shading_normal = s.geometric_normal;
+  } else {
+    const auto a = static_cast<float>(b0);
+    const V3f mean = mesh.normals[i0] * a + mesh.normals[i1] * u + mesh.normals[i2] * v;
+    const float mean2 = dot(mean, mean);
+    s.object_normal = mean2 > 0.0f ? mean / std::sqrt(mean2) : V3f(n / area);
+    const V3f shading(transform.normal_to_world(V3d(mean)));
+    s.shading_normal = s.geometric_normal;
     if (is_finite(shading))
       s.shading_normal = dot(shading, s.geometric_normal) < 0.0f ? -shading : shading;
   }

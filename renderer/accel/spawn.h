@@ -15,19 +15,23 @@ inline float next_up(float x) {
   return std::bit_cast<float>(std::bit_cast<std::int32_t>(x) + (x > 0.0f ? 1 : -1));
 }
 
+// `x` rounded to float towards the infinity that has the sign of `direction`. Without branches that
+// depend on how x would be rounded, which no processor predicts.
+inline float rounded_towards(double x, double direction) {
+  const auto nearest = static_cast<float>(x);
+  const int up = direction > 0.0, above_zero = nearest > 0.0f;
+  const int step = (up & (nearest < x)) | ((direction < 0.0) & (nearest > x));
+  if (nearest == 0.0f && step != 0) [[unlikely]]
+    return up ? next_up(0.0f) : -next_up(0.0f);
+  const int outward = 1 - 2 * (up ^ above_zero);  // whether the magnitude grows
+  return std::bit_cast<float>(std::bit_cast<std::int32_t>(nearest) + step * outward);
+}
+
 // `p` moved by `offset` along `direction` and rounded to float away from where it came, so that
 // rounding never undoes a part of the offset.
 inline V3f moved_outward(const V3d& p, const V3d& direction, double offset) {
   V3f out;
-  for (int i = 0; i < 3; ++i) {
-    const double exact = p[i] + offset * direction[i];
-    auto rounded = static_cast<float>(exact);
-    if (direction[i] > 0.0 && rounded < exact)
-      rounded = next_up(rounded);
-    else if (direction[i] < 0.0 && rounded > exact)
-      rounded = -next_up(-rounded);
-    out[i] = rounded;
-  }
+  for (int i = 0; i < 3; ++i) out[i] = rounded_towards(p[i] + offset * direction[i], direction[i]);
   return out;
 }
 

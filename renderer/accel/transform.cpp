@@ -49,13 +49,4 @@ InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& na
   mean_scale_ = static_cast<float>(std::cbrt(std::abs(to_object_.determinant())));
 }
 
-V3d InstanceTransform::normal_to_world(const V3d& n, double& stretch) const {
-  const Imath::M44d& i = to_object_;
-  const V3d w(n.x * i[0][0] + n.y * i[0][1] + n.z * i[0][2],
-              n.x * i[1][0] + n.y * i[1][1] + n.z * i[1][2],
-              n.x * i[2][0] + n.y * i[2][1] + n.z * i[2][2]);
-  stretch = std::sqrt(w.dot(w));
-  return w / stretch;
-}
-
 }  // namespace morsel::render

@@ -20,25 +20,38 @@ class AlbedoTable {
   // `integrate(cosine, roughness)` is called for every entry; roughness 0 included.
   explicit AlbedoTable(const std::function<float(float, float)>& integrate);
 
-  // cos_theta in (0, 1], alpha = roughness^2 in [0, 1].
-  float operator()(float cos_theta, float alpha) const {
-    const float c = std::sqrt(std::clamp(cos_theta, 0.0f, 1.0f)) * (kCosines - 1);
-    const Row row(alpha);
-    const int c0 = std::min(static_cast<int>(c), kCosines - 2);
-    const float fc = c - static_cast<float>(c0);
-    const auto at = [&](int r) {
+  // Where a number lies between two entries. Those of one lobe or direction can be kept: they are
+  // square roots, and several tables are asked at the same place.
+  struct Place {
+    int index;
+    float fraction;
+  };
+  // cos_theta in (0, 1].
+  static Place cosine_place(float cos_theta) {
+    return place(std::sqrt(std::clamp(cos_theta, 0.0f, 1.0f)), kCosines);
+  }
+  // alpha = roughness^2 in [0, 1].
+  static Place alpha_place(float alpha) {
+    return place(std::sqrt(std::clamp(alpha, 0.0f, 1.0f)), kRoughnesses);
+  }
+
+  float at(const Place& cosine, const Place& alpha) const {
+    const auto in_row = [&](int r) {
       const auto& values = value_[static_cast<std::size_t>(r)];
-      const auto i = static_cast<std::size_t>(c0);
-      return values[i] + fc * (values[i + 1] - values[i]);
+      const auto i = static_cast<std::size_t>(cosine.index);
+      return values[i] + cosine.fraction * (values[i + 1] - values[i]);
     };
-    return (1.0f - row.fraction) * at(row.index) + row.fraction * at(row.index + 1);
+    return (1.0f - alpha.fraction) * in_row(alpha.index) + alpha.fraction * in_row(alpha.index + 1);
+  }
+  float operator()(float cos_theta, float alpha) const {
+    return at(cosine_place(cos_theta), alpha_place(alpha));
   }
   // Mean over the hemisphere of incident light, weighted by the cosine: 2 int E(mu) mu dmu.
-  float average(float alpha) const {
-    const Row row(alpha);
-    const auto i = static_cast<std::size_t>(row.index);
-    return (1.0f - row.fraction) * average_[i] + row.fraction * average_[i + 1];
+  float average(const Place& alpha) const {
+    const auto i = static_cast<std::size_t>(alpha.index);
+    return (1.0f - alpha.fraction) * average_[i] + alpha.fraction * average_[i + 1];
   }
+  float average(float alpha) const { return average(alpha_place(alpha)); }
 
   static float cosine_of(int c) {
     return square(std::max(static_cast<float>(c) / (kCosines - 1), 1e-3f));
@@ -46,15 +59,13 @@ class AlbedoTable {
   static float roughness_of(int r) { return static_cast<float>(r) / (kRoughnesses - 1); }
 
  private:
-  struct Row {
-    int index;
-    float fraction;
-    explicit Row(float alpha) {
-      const float r = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (kRoughnesses - 1);
-      index = std::min(static_cast<int>(r), kRoughnesses - 2);
-      fraction = r - static_cast<float>(index);
-    }
-  };
+  // Of x in [0, 1] among `count` entries. What is no number is in the last pair, as no number.
+  static Place place(float x, int count) {
+    const float scaled = x * static_cast<float>(count - 1);
+    const int index = scaled < static_cast<float>(count - 2) ? static_cast<int>(scaled) : count - 2;
+    return {index, scaled - static_cast<float>(index)};
+  }
+
   std::array<std::array<float, kCosines>, kRoughnesses> value_{};
   std::array<float, kRoughnesses> average_{};
 };

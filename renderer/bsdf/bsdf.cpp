@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/bsdf/bsdf.h"
 
+#include <limits>
+
 namespace morsel::render {
 namespace {
 
@@ -81,6 +83,10 @@ std::optional<LobeSample> Bsdf::sample(float choice, const V2f& u) const {
   auto s = std::visit([&](const auto& lobe) { return lobe.sample(wo_, choice, u); }, lobe_);
   if (!s) return s;
   s->wi = normalize(frame_.to_world(s->wi));
+  if (!is_finite(s->wi) || std::isnan(s->pdf)) {  // on neither side, and not for nothing
+    s->weight = V3f(std::numeric_limits<float>::quiet_NaN());
+    return s;
+  }
   if ((dot(s->wi, geometric_normal_) > 0.0f) == s->transmission) return std::nullopt;
   if (!s->delta) s->weight *= terminator(s->wi);
   return s;

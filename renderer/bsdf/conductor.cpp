@@ -8,7 +8,7 @@
 namespace morsel::render {
 
 V3f Conductor::many_bounces() const {
-  const float e = ggx_albedo().average(alpha_);
+  const float e = ggx_albedo().average(place_);
   V3f color;
   for (int i = 0; i < 3; ++i) {
     // Mean of Schlick's term over the hemisphere; then the geometric series of further bounces.
@@ -20,13 +20,18 @@ V3f Conductor::many_bounces() const {
 
 // Of sampling the lobe of many bounces: its share of the light of a white metal.
 float Conductor::many_probability(const V3f& wo) const {
-  return compensate_ ? 1.0f - ggx_albedo()(wo.z, alpha_) : 0.0f;
+  return compensate_ ? 1.0f - ggx_albedo().at(AlbedoTable::cosine_place(wo.z), place_) : 0.0f;
 }
 
 LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi) const {
   if (delta() || wi.z <= 0.0f) return {};
+  return evaluate(wo, wi, many_probability(wo));
+}
+
+LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi, float many) const {
+  if (wi.z <= 0.0f) return {};
   const V3f sum = wo + wi;
-  if (!(dot(sum, sum) > 0.0f)) return {};
+  if (dot(sum, sum) <= 0.0f) return {};
   const V3f h = normalize(sum);
   const Ggx ggx(alpha_);
   const float d = ggx.distribution(h);
@@ -37,9 +42,8 @@ LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi) const {
   v.pdf = d * ggx.masking(wo) / (4.0f * wo.z);
   if (compensate_) {
     const AlbedoTable& table = ggx_albedo();
-    v.value += many_bounces() * complement(table, table, alpha_, wo.z, wi.z);
-    const float p = many_probability(wo);
-    v.pdf = (1.0f - p) * v.pdf + p * wi.z * kInvPi;
+    v.value += many_bounces() * complement(table, table, place_, wo.z, wi.z);
+    v.pdf = (1.0f - many) * v.pdf + many * wi.z * kInvPi;
   }
   return v;
 }
@@ -51,14 +55,15 @@ std::optional<LobeSample> Conductor::sample(const V3f& wo, float choice, const V
                       .delta = true};
   }
   LobeSample s;
-  if (choice < many_probability(wo)) {
+  const float many = many_probability(wo);
+  if (choice < many) {
     s.wi = square_to_cosine_hemisphere(u);
   } else {
     const V3f h = Ggx(alpha_).sample_visible(wo, u);
     s.wi = normalize(h * (2.0f * dot(wo, h)) - wo);
   }
-  const LobeValue v = evaluate(wo, s.wi);
-  if (!(v.pdf > 0.0f)) return std::nullopt;
+  const LobeValue v = evaluate(wo, s.wi, many);
+  if (v.pdf <= 0.0f) return std::nullopt;
   s.pdf = v.pdf;
   s.weight = v.value / v.pdf;
   return s;

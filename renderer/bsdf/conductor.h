@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "renderer/bsdf/albedo_table.h"
 #include "renderer/bsdf/ggx.h"
 #include "renderer/bsdf/lobe.h"
 
@@ -14,7 +15,10 @@ class Conductor {
  public:
   // `reflectance` at normal incidence, in [0, 1]; alpha is GGX's, in [0, 1].
   Conductor(const V3f& reflectance, float alpha, bool compensate = true)
-      : reflectance_(reflectance), alpha_(alpha), compensate_(compensate) {}
+      : reflectance_(reflectance),
+        alpha_(alpha),
+        compensate_(compensate),
+        place_(AlbedoTable::alpha_place(alpha)) {}
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
@@ -25,10 +29,12 @@ class Conductor {
  private:
   V3f many_bounces() const;  // colour of complement()
   float many_probability(const V3f& wo) const;
+  LobeValue evaluate(const V3f& wo, const V3f& wi, float many) const;  // many: the above
 
   V3f reflectance_;
   float alpha_;
   bool compensate_;
+  AlbedoTable::Place place_;  // of alpha in tables
 };
 
 }  // namespace morsel::render

@@ -58,7 +58,7 @@ std::optional<LobeSample> Dielectric::sample(const V3f& wo, float choice, const 
     v = {s->weight * s->pdf, s->pdf};
   }
   add_many(wo, s->wi, v);
-  if (!(v.pdf > 0.0f)) return std::nullopt;
+  if (v.pdf <= 0.0f) return std::nullopt;
   s->pdf = v.pdf;
   s->weight = v.value / v.pdf;
   return s;
@@ -68,7 +68,7 @@ LobeValue Dielectric::evaluate_once(const V3f& wo, const V3f& wi) const {
   const bool reflection = wi.z > 0.0f;
   // Half vector of reflection, or the generalised one of refraction, on the viewer's side.
   V3f h = reflection ? wo + wi : wo + wi * eta_;
-  if (!(dot(h, h) > 0.0f)) return {};
+  if (dot(h, h) <= 0.0f) return {};
   h = normalize(h);
   if (h.z < 0.0f) h = -h;
   const float cos_o = dot(wo, h), cos_i = dot(wi, h);

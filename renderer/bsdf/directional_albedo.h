@@ -35,11 +35,16 @@ const AlbedoTable& sheen_albedo();
 // reciprocal and complements the albedo exactly: f = (1 - E(wo)) (1 - E(wi)) / (pi (1 - E_avg))
 // (Kelemen & Szirmay-Kalos 2001; Kulla & Conty, "Revisiting Physically Based Shading at
 // Imageworks", 2017). Returns f * wi.z, `wi` being the direction's absolute cosine.
+inline float complement(const AlbedoTable& table_o, const AlbedoTable& table_i,
+                        const AlbedoTable::Place& alpha, float cos_o, float cos_i) {
+  const float rest = 1.0f - table_i.average(alpha);
+  if (rest <= 1e-6f) return 0.0f;
+  return (1.0f - table_o.at(AlbedoTable::cosine_place(cos_o), alpha)) *
+         (1.0f - table_i.at(AlbedoTable::cosine_place(cos_i), alpha)) * cos_i * kInvPi / rest;
+}
 inline float complement(const AlbedoTable& table_o, const AlbedoTable& table_i, float alpha,
                         float cos_o, float cos_i) {
-  const float rest = 1.0f - table_i.average(alpha);
-  if (!(rest > 1e-6f)) return 0.0f;
-  return (1.0f - table_o(cos_o, alpha)) * (1.0f - table_i(cos_i, alpha)) * cos_i * kInvPi / rest;
+  return complement(table_o, table_i, AlbedoTable::alpha_place(alpha), cos_o, cos_i);
 }
 
 }  // namespace morsel::render

@@ -10,7 +10,8 @@
 // where light comes from, z > 0 for reflection and z < 0 for transmission. All are unit vectors.
 //
 //   LobeValue evaluate(wo, wi) const;   zero for a delta lobe
-//   std::optional<LobeSample> sample(wo, choice, u) const;   random numbers in [0, 1)
+//   std::optional<LobeSample> sample(wo, choice, u) const;   random numbers in [0, 1). None where
+//       the lobe has nothing to give; what fails to be a number is returned, so that it is found
 //   bool delta() const;      reflects and refracts in single directions only
 //   float spread() const;    how far it scatters, as GGX's alpha: 0 a mirror, 1 diffuse
 //   V3f albedo() const;      colour for the denoiser, in [0, 1]

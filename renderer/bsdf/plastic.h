@@ -23,7 +23,10 @@ class Plastic {
   }
 
  private:
-  float gloss_probability(const V3f& wo) const;
+  // Share of light that the gloss reflects towards this cosine, of the channel that has most.
+  float reflected(float cosine) const { return max_component(gloss_.directional_albedo(cosine)); }
+  float gloss_probability(float reflected) const;
+  LobeValue evaluate(const V3f& wo, const V3f& wi, float reflected_o) const;
 
   Diffuse body_;
   SpecularLayer gloss_;

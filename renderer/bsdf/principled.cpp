@@ -67,7 +67,8 @@ Principled::Shares Principled::shares(const V3f& wo) const {
   add(kMetal, rest * metallic_, metal_strength_);
   add(kGlass, rest * (1.0f - metallic_) * transmission_, 1.0f);
   add(kPlastic, rest * (1.0f - metallic_) * (1.0f - transmission_), plastic_strength_);
-  const float scale = total > 0.0f ? 1.0f / total : 0.0f;
+  // Of what is no number neither: it is passed on.
+  const float scale = total <= 0.0f ? 0.0f : 1.0f / total;
   for (float& p : s.probability) p *= scale;
   return s;
 }
@@ -76,7 +77,7 @@ LobeValue Principled::evaluate(const V3f& wo, const V3f& wi) const {
   const Shares s = shares(wo);
   LobeValue sum;
   const auto add = [&](Part part, const auto& lobe) {
-    if (!(s.scale[part] > 0.0f)) return;
+    if (s.scale[part] <= 0.0f) return;
     const LobeValue v = lobe.evaluate(wo, wi);
     sum.value += v.value * s.scale[part];
     sum.pdf += v.pdf * s.probability[part];
@@ -93,7 +94,7 @@ std::optional<LobeSample> Principled::sample(const V3f& wo, float choice, const 
   const Shares s = shares(wo);
   int part = 0, last = -1;
   for (; part < kParts; ++part) {
-    if (!(s.probability[part] > 0.0f)) continue;
+    if (s.probability[part] <= 0.0f) continue;
     last = part;
     if (choice < s.probability[part]) break;
     choice -= s.probability[part];
@@ -122,7 +123,7 @@ std::optional<LobeSample> Principled::sample(const V3f& wo, float choice, const 
   // The part's own density need not be computed twice, and may not be: a half vector loses digits.
   LobeValue v{drawn->weight * (drawn->pdf * s.scale[part]), drawn->pdf * s.probability[part]};
   const auto add = [&](Part other, const auto& lobe) {
-    if (other == part || !(s.scale[other] > 0.0f)) return;
+    if (other == part || s.scale[other] <= 0.0f) return;
     const LobeValue o = lobe.evaluate(wo, drawn->wi);
     v.value += o.value * s.scale[other];
     v.pdf += o.pdf * s.probability[other];

@@ -18,7 +18,7 @@ class Sheen {
     if (wi.z <= 0.0f) return {};
     const V3f sum = wo + wi;
     const float length2 = dot(sum, sum);
-    if (!(length2 > 0.0f)) return {};
+    if (length2 <= 0.0f) return {};
     const float cos2 = sum.z * sum.z / length2;
     const float inverse = 1.0f / alpha_;
     const float d =
@@ -29,7 +29,7 @@ class Sheen {
   std::optional<LobeSample> sample(const V3f& wo, float /*choice*/, const V2f& u) const {
     const V3f wi = square_to_cosine_hemisphere(u);
     const LobeValue v = evaluate(wo, wi);
-    if (!(v.pdf > 0.0f)) return std::nullopt;
+    if (v.pdf <= 0.0f) return std::nullopt;
     return LobeSample{.wi = wi, .weight = v.value / v.pdf, .pdf = v.pdf, .diffuse = true};
   }
   bool delta() const { return false; }

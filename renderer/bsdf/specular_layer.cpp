@@ -13,7 +13,8 @@ SpecularLayer::SpecularLayer(float weight, const V3f& tint, float alpha,
       f0_(square((tables.ior - 1.0f) / (tables.ior + 1.0f))),
       normal_(std::min(1.0f, f0_ * tint.x), std::min(1.0f, f0_ * tint.y),
               std::min(1.0f, f0_ * tint.z)),
-      tables_(&tables.outside) {}
+      tables_(&tables.outside),
+      place_(AlbedoTable::alpha_place(alpha_)) {}
 
 // From the tinted reflectance at normal incidence to 1, by as much of the way as the exact term has
 // gone from its own.
@@ -33,7 +34,7 @@ V3f SpecularLayer::combine(float exact, float mirror) const {
 LobeValue SpecularLayer::evaluate(const V3f& wo, const V3f& wi) const {
   if (wi.z <= 0.0f) return {};
   const V3f sum = wo + wi;
-  if (!(dot(sum, sum) > 0.0f)) return {};
+  if (dot(sum, sum) <= 0.0f) return {};
   const V3f h = normalize(sum);
   const Ggx ggx(alpha_);
   const float d = ggx.distribution(h) / (4.0f * wo.z);
@@ -42,11 +43,10 @@ LobeValue SpecularLayer::evaluate(const V3f& wo, const V3f& wi) const {
 
 std::optional<LobeSample> SpecularLayer::sample(const V3f& wo, float /*choice*/,
                                                 const V2f& u) const {
-  const V3f h = Ggx(alpha_).sample_visible(wo, u);
   LobeSample s;
-  s.wi = normalize(h * (2.0f * dot(wo, h)) - wo);
+  s.wi = direction(wo, u);
   const LobeValue v = evaluate(wo, s.wi);
-  if (!(v.pdf > 0.0f)) return std::nullopt;
+  if (v.pdf <= 0.0f) return std::nullopt;
   s.pdf = v.pdf;
   s.weight = v.value / v.pdf;
   return s;

@@ -17,6 +17,11 @@ class SpecularLayer {
   SpecularLayer(float weight, const V3f& tint, float alpha, const InterfaceTables& tables);
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
+  // What sample() draws, before it is evaluated; it may point below the surface.
+  V3f direction(const V3f& wo, const V2f& u) const {
+    const V3f h = Ggx(alpha_).sample_visible(wo, u);
+    return normalize(h * (2.0f * dot(wo, h)) - wo);
+  }
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
   bool delta() const { return false; }
   float spread() const { return alpha_; }
@@ -24,10 +29,11 @@ class SpecularLayer {
 
   // Share of light that it reflects towards this cosine, and its mean over the hemisphere.
   V3f directional_albedo(float cos_theta) const {
-    return combine(tables_->reflected(cos_theta, alpha_), ggx_albedo()(cos_theta, alpha_));
+    const auto cosine = AlbedoTable::cosine_place(cos_theta);
+    return combine(tables_->reflected.at(cosine, place_), ggx_albedo().at(cosine, place_));
   }
   V3f average_albedo() const {
-    return combine(tables_->reflected.average(alpha_), ggx_albedo().average(alpha_));
+    return combine(tables_->reflected.average(place_), ggx_albedo().average(place_));
   }
 
  private:
@@ -38,6 +44,7 @@ class SpecularLayer {
   float f0_;    // exact reflectance at normal incidence
   V3f normal_;  // the same, tinted
   const InterfaceAlbedo* tables_;
+  AlbedoTable::Place place_;  // of alpha in them
 };
 
 }  // namespace morsel::render

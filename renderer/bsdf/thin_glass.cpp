@@ -50,7 +50,7 @@ std::optional<LobeSample> ThinGlass::sample(const V3f& wo, float choice, const V
   }
   if (s.transmission) s.wi.z = -s.wi.z;
   const LobeValue v = evaluate(wo, s.wi);
-  if (!(v.pdf > 0.0f)) return std::nullopt;
+  if (v.pdf <= 0.0f) return std::nullopt;
   s.pdf = v.pdf;
   s.weight = v.value / v.pdf;
   return s;

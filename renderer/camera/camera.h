@@ -21,6 +21,9 @@ class Camera {
   // The ray through image position (x, y) in pixels: pixel (i, j) spans [i, i+1) x [j, j+1).
   // `lens` and `time` are random numbers in [0, 1). The direction is a unit vector.
   Ray ray(float x, float y, const V2f& lens, float time) const;
+  // Whether rays depend on these.
+  bool has_lens() const { return aperture_radius_ > 0.0f; }
+  bool has_shutter() const { return shutter_close_ > shutter_open_; }
   // Of the pinhole.
   V3f direction(float x, float y) const { return ray(x, y, V2f(0.5f), 0.0f).direction; }
   // Angle that a pixel covers, and at orthographic projection its width instead: how wide a ray's

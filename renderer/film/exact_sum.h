@@ -14,6 +14,17 @@ namespace morsel::render {
 
 __extension__ typedef __int128 Int128;
 
+// x in steps of 2^-64, rounded towards 0; |x| < 2^63. Conversions to 128 bits are calls.
+inline Int128 in_steps(double x) {
+  const double magnitude = std::abs(x);
+  const auto whole = static_cast<std::int64_t>(magnitude);
+  const double first = (magnitude - static_cast<double>(whole)) * 0x1p32;
+  const auto upper = static_cast<std::int64_t>(first);
+  const auto lower = static_cast<std::int64_t>((first - static_cast<double>(upper)) * 0x1p32);
+  const Int128 steps = Int128{whole} << 64 | Int128{upper} << 32 | lower;
+  return x < 0.0 ? -steps : steps;
+}
+
 // The most samples that a scene may ask for; sums of twice that do not overflow.
 inline constexpr std::uint32_t kMostSamples = 1u << 20;
 
@@ -24,8 +35,7 @@ struct ColorSum {
 
   // Finite values only.
   void add(const V3f& c) {
-    for (int i = 0; i < 3; ++i)
-      channel[i] += static_cast<Int128>(std::clamp(double{c[i]}, -kMost, kMost) * 0x1p64);
+    for (int i = 0; i < 3; ++i) channel[i] += in_steps(std::clamp(double{c[i]}, -kMost, kMost));
   }
   void add(const ColorSum& other) {
     for (int i = 0; i < 3; ++i) channel[i] += other.channel[i];
@@ -47,8 +57,7 @@ struct SquareSum {
   Int128 channel[3] = {0, 0, 0};
 
   void add(const V3f& c) {
-    for (int i = 0; i < 3; ++i)
-      raise(channel[i], static_cast<Int128>(std::min(double{c[i]} * c[i], 0x1p61) * 0x1p64));
+    for (int i = 0; i < 3; ++i) raise(channel[i], in_steps(std::min(double{c[i]} * c[i], 0x1p61)));
   }
   void add(const SquareSum& other) {
     for (int i = 0; i < 3; ++i) raise(channel[i], other.channel[i]);

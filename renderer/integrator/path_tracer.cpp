@@ -56,8 +56,9 @@ class CountedRay {
   HypertextureCost before_;
 };
 
+// Of what is no number 1.
 V3f clamped_to_one(const V3f& c) {
-  return {std::min(c.x, 1.0f), std::min(c.y, 1.0f), std::min(c.z, 1.0f)};
+  return {std::min(1.0f, c.x), std::min(1.0f, c.y), std::min(1.0f, c.z)};
 }
 
 }  // namespace
@@ -231,13 +232,13 @@ V3f PathTracer::emitted_towards(const SurfaceInteraction& from,
   return emitted * materials_.opacity(on, -light.wi);
 }
 
-void PathTracer::add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
-                            const Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
+void PathTracer::add_direct(const State& state, LightGroup group, const LightSet::LightPoint& point,
+                            const SurfaceInteraction& hit, const Bsdf& bsdf,
+                            const PixelSampler& sampler, PathSample& sample,
                             RayCounts& rays) const {
-  const auto use = group == LightGroup::kInfinite ? kInfinitePoint : kLightPoint;
-  const auto light =
-      lights_.sample(group, hit.p, sampler.get_1d(dimension(state.vertex, kLightChoice)),
-                     sampler.get_2d(dimension(state.vertex, use)));
+  const float choice =
+      lights_.chooses(group) ? sampler.get_1d(dimension(state.vertex, kLightChoice)) : 0.0f;
+  const auto light = lights_.sample(group, hit.p, choice, point);
   if (light.pdf <= 0.0f || is_black(light.radiance)) return;
   const LobeValue lobe = bsdf.evaluate(light.wi);
   if (is_black(lobe.value)) return;
@@ -323,7 +324,8 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     }
     const V3f wo = -state.ray.direction;
     hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
-    hit.texture_random = sampler.get_1d(dimension(state.vertex, kTexture));
+    if (materials_.textured(hit.material))
+      hit.texture_random = sampler.get_1d(dimension(state.vertex, kTexture));
     if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
       state.throughput *= materials_.transmittance(hit.material, state.inside + hit.t);
     if (materials_.emits(hit.material)) {
@@ -334,6 +336,13 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     }
     if (state.ends || state.vertex > scene_.settings.max_depth) break;
 
+    // The light sample that every vertex gets; what it needs of memory comes meanwhile.
+    const LightGroup from = first ? LightGroup::kInfinite : LightGroup::kAll;
+    const bool lit = direct_lighting_ != DirectLighting::kBsdfOnly && lights_.any(from);
+    LightSet::LightPoint light_point;
+    if (lit)
+      light_point = lights_.point(
+          from, sampler.get_2d(dimension(state.vertex, first ? kInfinitePoint : kLightPoint)));
     const MaterialSet::Shading shading = materials_.shade(hit, wo, state.smallest_alpha);
     const Bsdf bsdf(shading.parameters, hit.geometric_normal, shading.normal, wo);
     const bool delta = bsdf.delta();
@@ -342,13 +351,11 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
       result.albedo = clamped_to_one(state.feature_tint * bsdf.albedo());
       result.normal = bsdf.shading_normal();
     }
-    if (!delta && direct_lighting_ != DirectLighting::kBsdfOnly) {
-      if (first) {
-        add_direct(state, LightGroup::kInfinite, hit, bsdf, sampler, result, rays);
-        add_direct(state, LightGroup::kLocal, hit, bsdf, sampler, result, rays);
-      } else {
-        add_direct(state, LightGroup::kAll, hit, bsdf, sampler, result, rays);
-      }
+    if (!delta && lit) add_direct(state, from, light_point, hit, bsdf, sampler, result, rays);
+    if (!delta && first && direct_lighting_ != DirectLighting::kBsdfOnly &&
+        lights_.any(LightGroup::kLocal)) {
+      light_point.u = sampler.get_2d(dimension(state.vertex, kLightPoint));
+      add_direct(state, LightGroup::kLocal, light_point, hit, bsdf, sampler, result, rays);
     }
 
     const auto scattered = bsdf.sample(sampler.get_1d(dimension(state.vertex, kLobe)),
@@ -382,6 +389,7 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     state.previous_split = first;
     state.ray.origin = hit.spawn(scattered->wi);
     state.ray.direction = scattered->wi;
+    lights_.prefetch_arriving(scattered->wi);  // many rays escape
   }
   // A sum of finite lights may overflow.
   if (!is_finite(result.radiance)) mark_non_finite(state.vertex, result);

@@ -55,9 +55,9 @@ class PathTracer {
   void add_light_hit(State& state, const SurfaceInteraction& hit, PathSample& sample) const;
   void add_emitted(State& state, const SurfaceInteraction& hit, const V3f& radiance,
                    std::uint32_t light, std::uint32_t light_group, PathSample& sample) const;
-  void add_direct(const State& state, LightGroup group, const SurfaceInteraction& hit,
-                  const class Bsdf& bsdf, const PixelSampler& sampler, PathSample& sample,
-                  RayCounts& rays) const;
+  void add_direct(const State& state, LightGroup group, const LightSet::LightPoint& point,
+                  const SurfaceInteraction& hit, const class Bsdf& bsdf,
+                  const PixelSampler& sampler, PathSample& sample, RayCounts& rays) const;
   float mis_weight(float this_pdf, float other_pdf, bool light_sample) const;
 
   const Scene& scene_;
@@ -75,5 +75,12 @@ enum CameraDimension : std::uint32_t {
   kTimeDimension,
   kPathDimension
 };
+
+// The camera's ray through a place of the film.
+inline Ray camera_ray(const Camera& camera, const PixelSampler& sampler, const V2f& film) {
+  const V2f lens = camera.has_lens() ? sampler.get_2d(kLensDimension) : V2f(0.5f);
+  const float time = camera.has_shutter() ? sampler.get_1d(kTimeDimension) : 0.0f;
+  return camera.ray(film.x, film.y, lens, time);
+}
 
 }  // namespace morsel::render

@@ -55,9 +55,8 @@ PathSample PixelRenderer::trace(const Half& half, std::uint32_t index, V2f& offs
   PixelSampler sampler = half.sampler;
   sampler.start_sample(index);
   offset = V2f(0.5f) + filter_.sample(sampler.get_2d(kPixelDimension));
-  const Ray ray =
-      camera_.ray(static_cast<float>(half.x) + offset.x, static_cast<float>(half.y) + offset.y,
-                  sampler.get_2d(kLensDimension), sampler.get_1d(kTimeDimension));
+  const Ray ray = camera_ray(camera_, sampler,
+                             V2f(static_cast<float>(half.x), static_cast<float>(half.y)) + offset);
   const PathSample sample = tracer_.trace(ray, sampler, rays);
   if (sample.non_finite_bounce != PathSample::kAllFinite)
     non_finite_.add({half.y, half.x, half.which, index, sample.non_finite_bounce});

@@ -33,8 +33,7 @@ std::vector<TracedSample> trace_pixel(const Scene& scene, int x, int y) {
     TracedSample traced;
     traced.film = V2f(static_cast<float>(x), static_cast<float>(y)) + V2f(0.5f) +
                   filter.sample(sampler.get_2d(kPixelDimension));
-    const Ray ray = camera.ray(traced.film.x, traced.film.y, sampler.get_2d(kLensDimension),
-                               sampler.get_1d(kTimeDimension));
+    const Ray ray = camera_ray(camera, sampler, traced.film);
     traced.sample = tracer.trace(ray, sampler, rays);
     const auto& records = log.own_records();
     traced.rays.assign(records.begin() + static_cast<std::ptrdiff_t>(before), records.end());

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/light/environment_texels.h"
 #include "renderer/light/light.h"
 #include "renderer/math/distribution.h"
 #include "renderer/math/vector.h"
@@ -29,7 +30,8 @@ struct EnvironmentImage {
 // Radiance is interpolated bilinearly, and sampled by exactly that: a patch between four texels'
 // centres is chosen by its mean luminance times its solid angle, then a point in it with density
 // proportional to the interpolated luminance. So wherever there is light it is sampled, and no
-// sample is brighter than about twice the mean.
+// sample is brighter than about twice the mean. (Tables choose a block of four patches; among these
+// it is the texels that decide, which are read anyway.)
 //
 // Where other samples (of BSDFs) look after the even part of the light, the sampling density need
 // only follow what stands out: with `only_highlights` the mean luminance is taken off it, which
@@ -37,11 +39,11 @@ struct EnvironmentImage {
 // then 0 where there is light: not for use without MIS.
 class Environment {
  public:
-  Environment(EnvironmentImage image, const V3f& scale, float rotation_degrees,
+  Environment(const EnvironmentImage& image, const V3f& scale, float rotation_degrees,
               bool only_highlights = false);
 
   V3f radiance(const V3f& wi) const;
-  LightSample sample(const V2f& u) const;
+  LightSample sample(const V2f& u) const { return sample(place(u)); }
   float pdf(const V3f& wi) const;
   // radiance() and pdf() at once, which is less work than one after the other.
   struct Arriving {
@@ -49,50 +51,47 @@ class Environment {
     float pdf;
   };
   Arriving arriving(const V3f& wi) const;
+  // sample() in two steps, between which what the second needs of memory is fetched.
+  struct Place {
+    DistributionRows::Cell row{}, block{};
+    V2f u{0.0f};
+  };
+  Place place(const V2f& u) const;
+  LightSample sample(const Place& place) const;
+  // That arriving() will be asked soon, so that what it needs is fetched meanwhile.
+  void prefetch_arriving(const V3f& wi) const;
   // Mean over all directions of the luminance that sample() follows. 0: nothing to sample.
   float sampled_luminance() const { return sampled_luminance_; }
 
  private:
   // The patch that a direction falls into and where in it.
   struct Patch {
-    int x0, x1;    // columns of texels, wrapped around
-    int y0, y1;    // rows, equal at the poles
-    V2f position;  // between them, [0, 1]^2
+    int column;    // of the texels to the left
+    int row;       // see EnvironmentTexels
+    V2f position;  // between the texels, [0, 1]^2
     float sine;    // of the angle to the +y axis
-    // 0 .. height, the first and the last being the halves between a pole and the nearest texels'
-    // centres. The column is x0.
-    std::size_t row;
   };
   // One texel: the same everywhere, sampled uniformly.
-  bool constant() const { return image_.texels.size() == 1; }
-  std::size_t index(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +
-           static_cast<std::size_t>(x);
-  }
+  bool constant() const { return constant_.has_value(); }
   Patch patch(const V3f& wi) const;
-  // What sampling follows, of a texel. Not a table of its own: wherever it is asked for, the texel
-  // is wanted too, and fetching from memory is what costs here.
+  // What sampling follows, of a texel before scaling. Not a table of its own: wherever it is asked
+  // for, the texel is wanted too, and fetching from memory is what costs here.
   float target_of(const V3f& texel) const {
-    return std::max(0.0f, luminance(texel) - not_sampled_);
+    return std::max(0.0f, dot(texel, luminance_of_texel_) - not_sampled_);
   }
-  // Of the four texels about a patch.
   template <typename T>
-  struct Corners {
-    T a, b, c, d;  // upper left and right, lower left and right
-    T at(const V2f& p) const {
-      return (a * (1.0f - p.x) + b * p.x) * (1.0f - p.y) + (c * (1.0f - p.x) + d * p.x) * p.y;
-    }
-  };
-  Corners<V3f> texels(const Patch& patch) const;
+  using Corners = EnvironmentTexels::Corners<T>;
   Corners<float> targets(const Corners<V3f>& texels) const;
   // Per solid angle, of a point in the patch.
   float density(const Patch& patch, const Corners<float>& target) const;
-  const V3f& texel(int x, int y) const { return image_.texels[index(x, y)]; }
 
-  EnvironmentImage image_;              // already scaled
-  float not_sampled_ = 0.0f;            // luminance that is left to other samples
-  float sine_, cosine_;                 // of the rotation
-  std::vector<Distribution1D> in_row_;  // height + 1
+  EnvironmentTexels texels_;
+  V3f scale_;               // radiance of a texel of 1
+  V3f luminance_of_texel_;  // of each channel of one
+  std::optional<V3f> constant_;
+  float not_sampled_ = 0.0f;                // luminance that is left to other samples
+  float sine_, cosine_;                     // of the rotation
+  std::optional<DistributionRows> in_row_;  // height + 1, among the row's blocks
   std::optional<Distribution1D> rows_;
   std::vector<float> density_;  // by row: times target over sine gives the density
   float sampled_luminance_ = 0.0f;

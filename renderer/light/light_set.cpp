@@ -40,7 +40,10 @@ LightSet::LightSet(const Scene& scene, bool complete) {
     distants_.emplace_back(d);
     infinite_.push_back({d.visible_to_camera, distants_.back().importance(), d.group});
   }
-  for (const Infinite& i : infinite_) infinite_importance_ += i.importance;
+  for (const Infinite& i : infinite_) {
+    infinite_importance_ += i.importance;
+    if (i.importance > 0.0f) ++sampled_infinite_;
+  }
 
   const auto add = [&](const auto& lights, auto make) {
     for (const auto& light : lights) {
@@ -106,13 +109,13 @@ float LightSet::local_share(LightGroup group, const V3f& p) const {
   return total > 0.0f ? local / total : 0.0f;
 }
 
-LightSample LightSet::sample_infinite(std::size_t i, const V2f& u) const {
-  if (environment_ && i == 0) return environment_->sample(u);
-  return distants_[environment_ ? i - 1 : i].sample(u);
+LightSample LightSet::sample_infinite(std::size_t i, const LightPoint& point) const {
+  if (environment_ && i == 0) return environment_->sample(point.in_environment);
+  return distants_[environment_ ? i - 1 : i].sample(point.u);
 }
 
 LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
-                                  const V2f& u) const {
+                                  const LightPoint& point) const {
   const float local = local_share(group, p);
   Sample s;
   if (choice < local) {
@@ -120,7 +123,7 @@ LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
                                       [&](std::uint32_t i) { return leaf_importance(i, p); });
     if (!(chosen.probability > 0.0f)) return {};
     static_cast<LightSample&>(s) =
-        std::visit([&](const auto& l) { return l.sample(p, u); }, local_[chosen.light]);
+        std::visit([&](const auto& l) { return l.sample(p, point.u); }, local_[chosen.light]);
     s.pdf *= local * chosen.probability;
     s.light_group = local_group_[chosen.light];
     set_triangle(chosen.light, s);
@@ -135,7 +138,7 @@ LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
     if (rest < infinite_[i].importance) break;
     rest -= infinite_[i].importance;
   }
-  static_cast<LightSample&>(s) = sample_infinite(chosen, u);
+  static_cast<LightSample&>(s) = sample_infinite(chosen, point);
   s.pdf *= (1.0f - local) * infinite_[chosen].importance / infinite_importance_;
   s.light_group = infinite_[chosen].light_group;
   return s;

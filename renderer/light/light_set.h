@@ -36,6 +36,9 @@ class LightSet {
   // std::invalid_argument.
   LightSet(const Scene& scene, bool complete);
 
+  // Whether a sample of the group can find anything, and whether it has a choice of what.
+  bool any(LightGroup group) const { return count(group) > 0; }
+  bool chooses(LightGroup group) const { return count(group) > 1; }
   bool empty() const { return !environment_ && distants_.empty() && local_.empty(); }
 
   static constexpr std::uint32_t kNoLight = 0xffffffffu;
@@ -48,7 +51,26 @@ class LightSet {
     // textures.
     std::uint32_t instance = kNoLight, triangle = 0;
   };
-  Sample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const;
+  Sample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const {
+    return sample(group, p, choice, point(group, u));
+  }
+  // The same in two steps: what the second needs of memory is fetched in between.
+  struct LightPoint {
+    V2f u{0.0f};
+    Environment::Place in_environment;
+  };
+  LightPoint point(LightGroup group, const V2f& u) const {
+    LightPoint point{u, {}};
+    if (environment_ && group != LightGroup::kLocal && infinite_[0].importance > 0.0f)
+      point.in_environment = environment_->place(u);
+    return point;
+  }
+  Sample sample(LightGroup group, const V3f& p, float choice, const LightPoint& point) const;
+
+  // What arriving() of the environment needs of memory is fetched meanwhile.
+  void prefetch_arriving(const V3f& wi) const {
+    if (environment_) environment_->prefetch_arriving(wi);
+  }
 
   bool has_environment() const { return environment_.has_value(); }
   // Lights infinitely far away, which an escaping ray meets: 0 is the environment if there is one,
@@ -87,6 +109,10 @@ class LightSet {
     float importance;
     std::uint32_t light_group;
   };
+  std::size_t count(LightGroup group) const {
+    return (group == LightGroup::kLocal ? 0 : sampled_infinite_) +
+           (group == LightGroup::kInfinite ? 0 : local_.size());
+  }
   float local_importance(const V3f& p) const;
   // Chance that a sample of the group goes to infinite light `i`.
   float infinite_share(LightGroup group, std::size_t i, const V3f& p) const;
@@ -97,12 +123,13 @@ class LightSet {
   }
   void add_emissive_meshes(const Scene& scene);
   void set_triangle(std::uint32_t light, Sample& s) const;
-  LightSample sample_infinite(std::size_t i, const V2f& u) const;
+  LightSample sample_infinite(std::size_t i, const LightPoint& point) const;
 
   std::optional<Environment> environment_;
   std::vector<Distant> distants_;
   std::vector<Infinite> infinite_;
   float infinite_importance_ = 0.0f;
+  std::size_t sampled_infinite_ = 0;  // those of some importance
   std::vector<LocalLight> local_;
   std::vector<std::uint32_t> local_group_;
   std::vector<std::uint32_t> first_triangle_;      // per instance

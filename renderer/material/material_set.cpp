@@ -50,6 +50,7 @@ MaterialSet::MaterialSet(const Scene& scene) : scene_(scene), textures_(scene) {
     p.base = prepare(m);
     p.emits = max_component(m.emission) > 0.0f;
     p.opaque = m.opaque();
+    p.emission_textured = m.texture(MaterialInput::kEmission) != kNoTexture;
     for (std::size_t i = 0; i < kMaterialInputs; ++i) {
       const auto input = static_cast<MaterialInput>(i);
       if (input != MaterialInput::kEmission && input != MaterialInput::kOpacity)

@@ -27,9 +27,13 @@ class MaterialSet {
   // Emitted radiance, the same on both sides and in all directions.
   V3f emission(const SurfaceInteraction& hit, const V3f& wo) const;
   bool emits(std::uint32_t material) const { return prepared_[material].emits; }
+  // Whether any image or ramp makes it differ from hit to hit.
+  bool textured(std::uint32_t material) const {
+    return prepared_[material].textured || prepared_[material].emission_textured;
+  }
   // Whether that differs from the material's own value.
   bool emission_is_textured(std::uint32_t material) const {
-    return scene_.materials[material].texture(MaterialInput::kEmission) != kNoTexture;
+    return prepared_[material].emission_textured;
   }
   // Share of rays that meet the surface at `hit`; the others pass as if it were not there.
   float opacity(const SurfaceInteraction& hit, const V3f& wo) const;
@@ -55,6 +59,7 @@ class MaterialSet {
     V3f absorption{0.0f};  // per unit of length
     bool emits = false, opaque = true;
     bool textured = false;  // by anything but emission and opacity
+    bool emission_textured = false;
   };
   void apply_textures(const Material& material, const TexturePoint& point, Shading& shading) const;
   void bend_normal(const Material& material, const TexturePoint& point, V3f& normal) const;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "renderer/mesh/assimp_mesh.h"
+#include "renderer/mesh/obj_groups.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -63,12 +64,15 @@ void append_assimp_mesh(const aiMesh& part, TriangleMesh& mesh, const std::files
   }
 }
 
-const aiScene& read_assimp_scene(Assimp::Importer& importer, const std::filesystem::path& file) {
+const aiScene& read_assimp_scene(Assimp::Importer& importer, const std::filesystem::path& file,
+                                 const ObjNames& names) {
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, kUnused);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = nullptr;
   try {
+    if (names.smoothing_groups)  // which belongs to the importer then
+      importer.SetIOHandler(read_groups_as_normals(file, names).release());
     scene = read_scene(importer, file.string());
   } catch (const std::exception& e) {  // e.g. bad_alloc for a header that claims 10^18 vertices
     throw MeshError(fmt::format("{}: {}", file.string(), e.what()));
@@ -78,9 +82,9 @@ const aiScene& read_assimp_scene(Assimp::Importer& importer, const std::filesyst
   return *scene;
 }
 
-TriangleMesh read_with_assimp(const std::filesystem::path& file) {
+TriangleMesh read_with_assimp(const std::filesystem::path& file, const ObjNames& names) {
   Assimp::Importer importer;
-  const aiScene& scene = read_assimp_scene(importer, file);
+  const aiScene& scene = read_assimp_scene(importer, file, names);
 
   // In these three formats every node has the identity transform: meshes can be taken as they are.
   TriangleMesh mesh;

@@ -95,10 +95,10 @@ class Converter {
 
 }  // namespace
 
-Model read_model_with_assimp(const std::filesystem::path& file,
+Model read_model_with_assimp(const std::filesystem::path& file, const ObjNames& names,
                              const std::function<void(const std::string&)>& warn) {
   Assimp::Importer importer;
-  const aiScene& from = read_assimp_scene(importer, file);
+  const aiScene& from = read_assimp_scene(importer, file, names);
   Model model;
   Scene& scene = model.scene;
   Converter converter(file, warn, scene);

@@ -121,16 +121,17 @@ Model load_model(const fs::path& file, const std::function<void(const std::strin
   };
   const std::string extension = check_file(file);
   if (is_gltf(extension)) return read_gltf_model(file, tell);
-  if (extension == ".obj") warn_of_missing_materials(file, check_obj(file), tell);
+  const ObjNames names = extension == ".obj" ? check_obj(file) : ObjNames{};
   if (extension == ".ply") check_ply(file);
-  return read_model_with_assimp(file, tell);
+  warn_of_missing_materials(file, names, tell);
+  return read_model_with_assimp(file, names, tell);
 }
 
 TriangleMesh load_mesh(const fs::path& file) {
   const std::string extension = check_file(file);
-  if (extension == ".obj") check_obj(file);
+  const ObjNames names = extension == ".obj" ? check_obj(file) : ObjNames{};
   if (extension == ".ply") check_ply(file);
-  TriangleMesh mesh = is_gltf(extension) ? read_gltf(file) : read_with_assimp(file);
+  TriangleMesh mesh = is_gltf(extension) ? read_gltf(file) : read_with_assimp(file, names);
   validate_mesh(mesh, file.string());
   normalise_normals(mesh);
   return mesh;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderer/mesh/normals.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <unordered_map>
@@ -8,9 +9,15 @@
 namespace morsel::render {
 namespace {
 
-struct PositionHash {
-  std::size_t operator()(const Imath::V3f& p) const {
-    std::size_t hash = 0;
+struct Place {
+  Imath::V3f p;
+  std::uint32_t group;
+  bool operator==(const Place& other) const { return p == other.p && group == other.group; }
+};
+struct PlaceHash {
+  std::size_t operator()(const Place& place) const {
+    const Imath::V3f& p = place.p;
+    std::size_t hash = place.group;
     for (int i = 0; i < 3; ++i) {
       const float x = p[i] + 0.0f;  // -0 and 0 compare equal, so they must hash equally
       std::uint32_t bits;
@@ -21,14 +28,22 @@ struct PositionHash {
   }
 };
 
-// For each vertex the first vertex at the same position.
-std::vector<std::size_t> welded(const std::vector<Imath::V3f>& positions) {
-  std::unordered_map<Imath::V3f, std::size_t, PositionHash> first;
+// For each vertex the first vertex at the same position and of the same group.
+std::vector<std::size_t> welded(const std::vector<Imath::V3f>& positions,
+                                const std::vector<std::uint32_t>& groups) {
+  std::unordered_map<Place, std::size_t, PlaceHash> first;
   first.reserve(positions.size());
   std::vector<std::size_t> weld(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
-    weld[i] = first.try_emplace(positions[i], i).first->second;
+    weld[i] = first.try_emplace({positions[i], groups.empty() ? 0 : groups[i]}, i).first->second;
   return weld;
+}
+
+// Of group_normal(): far beyond any length that a file gives its normals.
+constexpr float kGroup = -1e30f;
+bool is_group(const Imath::V3f& normal) { return normal.z < 0.1f * kGroup; }
+std::uint32_t group_of(const Imath::V3f& normal) {
+  return static_cast<std::uint32_t>(normal.y) << 16 | static_cast<std::uint32_t>(normal.x);
 }
 
 // Between two edges; atan2 keeps its accuracy for needles where acos loses it.
@@ -38,8 +53,13 @@ double angle(const Imath::V3d& a, const Imath::V3d& b) {
 
 }  // namespace
 
-std::vector<Imath::V3f> smooth_normals(const TriangleMesh& mesh) {
-  const std::vector<std::size_t> weld = welded(mesh.positions);
+Imath::V3f group_normal(std::uint32_t group) {
+  return {static_cast<float>(group & 0xffffu), static_cast<float>(group >> 16), kGroup};
+}
+
+std::vector<Imath::V3f> smooth_normals(const TriangleMesh& mesh,
+                                       const std::vector<std::uint32_t>& groups) {
+  const std::vector<std::size_t> weld = welded(mesh.positions, groups);
   std::vector<Imath::V3d> sum(mesh.positions.size(), Imath::V3d(0.0));
   std::vector<Imath::V3d> fallback(mesh.positions.size(), Imath::V3d(0, 1, 0));
   for (const Imath::V3i& triangle : mesh.triangles) {
@@ -67,6 +87,14 @@ std::vector<Imath::V3f> smooth_normals(const TriangleMesh& mesh) {
 }
 
 void normalise_normals(TriangleMesh& mesh) {
+  if (std::any_of(mesh.normals.begin(), mesh.normals.end(), is_group)) {
+    std::vector<std::uint32_t> groups(mesh.normals.size(), 0xffffffffu);  // given normals: none
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (is_group(mesh.normals[i])) groups[i] = group_of(mesh.normals[i]);
+    const std::vector<Imath::V3f> in_groups = smooth_normals(mesh, groups);
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (is_group(mesh.normals[i])) mesh.normals[i] = in_groups[i];
+  }
   std::vector<Imath::V3f> smooth;
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     Imath::V3f& normal = mesh.normals[i];

@@ -11,21 +11,10 @@
 #include <system_error>
 
 #include "renderer/mesh/mesh_file.h"
+#include "renderer/mesh/obj_lines.h"
 
 namespace morsel::render {
 namespace {
-
-constexpr std::string_view kBlank = " \t\r";
-
-// The next word of `rest`, which it is taken off; empty at the end.
-std::string_view next_word(std::string_view& rest) {
-  const std::size_t begin = rest.find_first_not_of(kBlank);
-  if (begin == std::string_view::npos) return rest = {};
-  const std::size_t end = std::min(rest.find_first_of(kBlank, begin), rest.size());
-  const std::string_view word = rest.substr(begin, end - begin);
-  rest.remove_prefix(end);
-  return word;
-}
 
 bool is_finite_number(std::string_view word) {
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);  // from_chars knows no plus sign
@@ -46,22 +35,12 @@ class Checker {
 
   ObjNames check() {
     std::ifstream in(file_);
-    std::string text, joined;
-    for (std::size_t number = 1; std::getline(in, text); ++number) {
-      if (joined.empty()) line_ = number;
-      if (const std::size_t comment = text.find('#'); comment != std::string::npos)
-        text.erase(comment);
-      while (!text.empty() && kBlank.find(text.back()) != std::string_view::npos) text.pop_back();
-      if (!text.empty() && text.back() == '\\') {  // goes on in the next line
-        text.back() = ' ';
-        joined += text;
-        continue;
-      }
-      joined += text;
-      check_line(joined);
-      joined.clear();
-    }
-    if (!joined.empty()) check_line(joined);
+    for_each_obj_line(in, [&](std::size_t number, std::string_view line) {
+      line_ = number;
+      check_line(line);
+    });
+    names_.normals = kinds_[2].count;
+    names_.smoothing_groups = groups_ && facets_without_normals_;
     return std::move(names_);
   }
 
@@ -89,7 +68,10 @@ class Checker {
     } else if (key == "f" || key == "l" || key == "p") {
       std::string_view word = next_word(rest);
       if (word.empty()) fail(line_, fmt::format("{} names no vertex", key));
+      if (key == "f" && !obj_corner_has_normal(word)) facets_without_normals_ = true;
       for (; !word.empty(); word = next_word(rest)) check_corner(word);
+    } else if (key == "s") {
+      groups_ = true;
     } else if (key == "mtllib") {
       note(rest, names_.libraries);
     } else if (key == "usemtl") {
@@ -129,14 +111,15 @@ class Checker {
   }
 
   static void note(std::string_view rest, std::vector<std::string>& names) {
-    const std::size_t begin = rest.find_first_not_of(kBlank);
+    const std::size_t begin = rest.find_first_not_of(kObjBlank);
     if (begin == std::string_view::npos) return;
-    const std::string name(rest.substr(begin, rest.find_last_not_of(kBlank) + 1 - begin));
+    const std::string name(rest.substr(begin, rest.find_last_not_of(kObjBlank) + 1 - begin));
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
 
   const std::filesystem::path& file_;
   std::size_t line_ = 0;
+  bool groups_ = false, facets_without_normals_ = false;
   Kind kinds_[3] = {{.name = "vertex"}, {.name = "texture coordinate"}, {.name = "normal"}};
   ObjNames names_;
 };

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace morsel::render {
 
-// What an OBJ file names, each name once, in order of appearance.
+// What an OBJ file names, each name once, in order of appearance, and how it is shaded.
 struct ObjNames {
   std::vector<std::string> libraries;  // mtllib
   std::vector<std::string> materials;  // usemtl
+  std::int64_t normals = 0;            // lines vn
+  // Facets without normals are there, and lines `s` that say how to smooth them.
+  bool smoothing_groups = false;
 };
 
 // Reads an OBJ file for its mistakes, of which assimp's own reader takes no notice: it takes what

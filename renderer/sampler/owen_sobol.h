@@ -27,10 +27,10 @@ inline std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-// The same for values whose bits are in normal order. Applied to sample indices it permutes every
-// aligned block of 2^k indices onto an aligned block, so nets stay nets.
-inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-  return reverse_bits(owen_hash(reverse_bits(x), seed));
+// The same with a result whose bits are in normal order. Applied to (reversed) sample indices it
+// permutes every aligned block of 2^k indices onto an aligned block, so nets stay nets.
+inline std::uint32_t owen_shuffle(std::uint32_t reversed_index, std::uint32_t seed) {
+  return reverse_bits(owen_hash(reversed_index, seed));
 }
 
 // Second dimension of the Sobol sequence at `index`, bits reversed. Its generator matrix is
@@ -49,7 +49,7 @@ inline std::uint32_t sobol_second_reversed(std::uint32_t index) {
 
 // A bijective finaliser with full avalanche (the constants of T. Mueller's 2-round
 // xorshift-multiply search, "lowbias32" by C. Wellons).
-inline std::uint32_t mix_bits(std::uint32_t x) {
+constexpr std::uint32_t mix_bits(std::uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352du;
   x ^= x >> 15;
@@ -57,8 +57,12 @@ inline std::uint32_t mix_bits(std::uint32_t x) {
   x ^= x >> 16;
   return x;
 }
-inline std::uint32_t combine_bits(std::uint32_t a, std::uint32_t b) {
-  return mix_bits(a ^ (mix_bits(b) + 0x9e3779b9u + (a << 6) + (a >> 2)));
+// The second argument is mix_bits(b).
+constexpr std::uint32_t combine_mixed(std::uint32_t a, std::uint32_t mixed_b) {
+  return mix_bits(a ^ (mixed_b + 0x9e3779b9u + (a << 6) + (a >> 2)));
+}
+constexpr std::uint32_t combine_bits(std::uint32_t a, std::uint32_t b) {
+  return combine_mixed(a, mix_bits(b));
 }
 
 // Fraction to [0, 1), 24 bits: the largest result is below 1.

@@ -21,6 +21,23 @@ float from_half(std::uint16_t h) {
   return (h & 0x8000u ? -0x1p112f : 0x1p112f) * magnitude;
 }
 
+float number(std::uint16_t half) { return from_half(half); }
+float number(float x) { return x; }
+
+// The weighted sum of four texels of a tile.
+template <class Value>
+void mix(const Value* tile, int channels, const int columns[2], const int rows[2],
+         const float weight[4], float texel[4]) {
+  const auto at = [&](int column, int row) {
+    return tile + static_cast<std::ptrdiff_t>((row * kLinearImageTile + column) * channels);
+  };
+  const Value *a = at(columns[0], rows[0]), *b = at(columns[1], rows[0]),
+              *c = at(columns[0], rows[1]), *d = at(columns[1], rows[1]);
+  for (int k = 0; k < std::min(channels, 4); ++k)
+    texel[k] = weight[0] * number(a[k]) + weight[1] * number(b[k]) + weight[2] * number(c[k]) +
+               weight[3] * number(d[k]);
+}
+
 // A texel's index in an image that goes on as `wrap` says; -1: black.
 int wrapped(int i, int n, Wrap wrap) {
   if (i >= 0 && i < n) return i;
@@ -125,11 +142,24 @@ bool TileSampler::sample(const CachedImage& image, Wrap wrap_u, Wrap wrap_v, V2f
   const auto [y, fy] = split(uv.y * static_cast<float>(rows) - 0.5f);
   const int x0 = wrapped(x, columns, wrap_u), x1 = wrapped(x + 1, columns, wrap_u);
   const int y0 = wrapped(y, rows, wrap_v), y1 = wrapped(y + 1, rows, wrap_v);
+  const float weight[] = {(1.0f - fx) * (1.0f - fy), fx * (1.0f - fy), (1.0f - fx) * fy, fx * fy};
+  if (x0 >= 0 && y0 >= 0 && x0 / kLinearImageTile == x1 / kLinearImageTile &&
+      y0 / kLinearImageTile == y1 / kLinearImageTile) [[likely]] {
+    const Entry* e = find(image, level, x0 / kLinearImageTile, y0 / kLinearImageTile);
+    if (e == nullptr) return false;
+    const int columns_in[] = {x0 % kLinearImageTile, x1 % kLinearImageTile};
+    const int rows_in[] = {y0 % kLinearImageTile, y1 % kLinearImageTile};
+    if (e->half)
+      mix(static_cast<const std::uint16_t*>(e->pixels), image.channels, columns_in, rows_in, weight,
+          texel);
+    else
+      mix(static_cast<const float*>(e->pixels), image.channels, columns_in, rows_in, weight, texel);
+    return true;
+  }
   std::fill_n(texel, std::min(image.channels, 4), 0.0f);
-  return add(image, level, x0, y0, (1.0f - fx) * (1.0f - fy), texel) &&
-         add(image, level, x1, y0, fx * (1.0f - fy), texel) &&
-         add(image, level, x0, y1, (1.0f - fx) * fy, texel) &&
-         add(image, level, x1, y1, fx * fy, texel);
+  return add(image, level, x0, y0, weight[0], texel) &&
+         add(image, level, x1, y0, weight[1], texel) &&
+         add(image, level, x0, y1, weight[2], texel) && add(image, level, x1, y1, weight[3], texel);
 }
 
 }  // namespace morsel::render

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "renderer/accel/scene_accel.h"
 #include "renderer/accel/spawn.h"
 #include "tests/renderer/statistics.h"
@@ -215,6 +218,27 @@ TEST(Spawn, RoundsAwayFromTheSurface) {
     for (int k = 0; k < 3; ++k)
       EXPECT_GE((static_cast<double>(moved[k]) - p[k]) * (n[k] > 0 ? 1.0 : -1.0), 0.0);
   }
+}
+
+// The float next to a number on the side that the direction points to, or the number itself.
+TEST(Spawn, PointsAreRoundedAwayFromTheSurface) {
+  Random random;
+  const auto uniform = [&] { return 2.0 * (random() + 0x1p-24 * random()) - 1.0; };
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (int i = 0; i < 100000; ++i) {
+    const double scale = std::ldexp(1.0, i % 41 - 20);
+    const double x = i % 3 == 0 ? static_cast<float>(uniform() * scale)  // needs no rounding
+                                : uniform() * scale;
+    const double direction = uniform();
+    const float r = rounded_towards(x, direction), opposite = rounded_towards(x, -direction);
+    const float above = direction > 0.0 ? r : opposite, below = direction > 0.0 ? opposite : r;
+    ASSERT_TRUE(above >= x && std::nextafter(above, -kInf) < x) << x;
+    ASSERT_TRUE(below <= x && std::nextafter(below, kInf) > x) << x;
+    ASSERT_EQ(rounded_towards(x, 0.0), static_cast<float>(x));
+  }
+  EXPECT_GT(rounded_towards(1e-60, 1.0), 0.0f);
+  EXPECT_LT(rounded_towards(-1e-60, -1.0), 0.0f);
+  EXPECT_EQ(rounded_towards(0.0, 1.0), 0.0f);
 }
 
 }  // namespace

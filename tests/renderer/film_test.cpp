@@ -188,5 +188,15 @@ TEST(ToneMap, BrightColoursKeepTheirHue) {
   EXPECT_GT(c.y, c.z + 0.1f);
 }
 
+TEST(ExactSum, StepsAreThoseOfTheCompilersConversion) {
+  testing::Random random;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = std::ldexp(2.0 * random() - 1.0, static_cast<int>(140.0f * random()) - 78);
+    ASSERT_TRUE(in_steps(x) == static_cast<Int128>(x * 0x1p64)) << x;
+  }
+  for (const double x : {0.0, -0.0, 1.0, -1.0, 0x1p-64, -0x1p-65, 0.99999999999999989, 0x1p61})
+    EXPECT_TRUE(in_steps(x) == static_cast<Int128>(x * 0x1p64)) << x;
+}
+
 }  // namespace
 }  // namespace morsel::render

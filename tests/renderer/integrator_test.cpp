@@ -2,10 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
-#include <regex>
-#include <stdexcept>
-#include <tuple>
 
 #include "renderer/integrator/render.h"
 #include "tests/renderer/mean_of_film.h"
@@ -16,12 +12,6 @@ namespace morsel::render {
 namespace {
 
 using namespace testing;
-
-// All pixels see the unit sphere at the origin.
-void look_at_sphere(Scene& scene) {
-  scene.camera.position = V3f(0, 0, 4);
-  scene.camera.vertical_fov = 20.0f;
-}
 
 TEST(Furnace, ConvexDiffuseBodyReflectsItsAlbedo) {
   for (const float albedo : {1.0f, 0.5f, 0.0f})
@@ -139,24 +129,6 @@ INSTANTIATE_TEST_SUITE_P(Strategies, Lighting,
                          ::testing::Values(DirectLighting::kMis, DirectLighting::kLightsOnly,
                                            DirectLighting::kBsdfOnly));
 
-// Everything at once: diffuse floor, rough metal, rough glass, an environment, a rectangle.
-Scene mixed_scene() {
-  Scene scene;
-  add_material(scene, MaterialType::kDiffuse, V3f(0.7f, 0.6f, 0.5f));
-  add_material(scene, MaterialType::kConductor, V3f(0.9f, 0.7f, 0.4f), 0.4f);
-  add_material(scene, MaterialType::kDielectric, V3f(0.9f), 0.5f);
-  scene.materials[0].checker_color = V3f(0.2f);
-  add_mesh(scene, plane_mesh(6.0f, -1.0f), 0);
-  add_mesh(scene, sphere_mesh(3, true), 1, translated(-1.2, 0, 0));
-  add_mesh(scene, sphere_mesh(3, true), 2, translated(1.2, 0, 0));
-  add_constant_environment(scene, 0.3f);
-  add_rectangle(scene, V3f(-1, 3, -1), V3f(2, 0, 0), V3f(0, 0, 2), 8.0f);
-  scene.camera.position = V3f(0, 2, 6);
-  scene.camera.vertical_fov = 35.0f;
-  set_image(scene, 48, 32, 64, 4);
-  return scene;
-}
-
 TEST(Mis, HasTheMeanOfEachStrategy) {
   Scene scene = mixed_scene();
   scene.settings.spp = 256;
@@ -175,37 +147,6 @@ TEST(Mis, HasTheMeanOfEachStrategy) {
         << k << ": " << means[k].value << " against " << means[0].value;
   EXPECT_LT(means[0].error, means[2].error);
   EXPECT_LT(means[0].error, 0.01 * means[0].value);
-}
-
-void expect_identical(const Pixel& a, const Pixel& b, int x, int y) {
-  const auto all = [](const Pixel& p) {
-    return std::tuple(p.color, p.alpha, p.albedo, p.normal, p.variance, p.depth, p.component,
-                      p.samples);
-  };
-  ASSERT_EQ(all(a), all(b)) << x << ", " << y;
-}
-
-TEST(Determinism, ThreadsAndCropChangeNoPixel) {
-  Scene scene = mixed_scene();
-  scene.settings.spp = 8;
-  scene.settings.width = 100;
-  scene.settings.height = 70;
-  RenderOptions one, two;
-  one.threads = 1;
-  two.threads = 2;
-  const RenderResult a = render(scene, one);
-  const RenderResult b = render(scene, two);
-  scene.settings.crop = Crop{13, 22, 87, 69};
-  const RenderResult c = render(scene, two);
-  for (int y = 0; y < 70; ++y)
-    for (int x = 0; x < 100; ++x) {
-      expect_identical(a.film.at(x, y), b.film.at(x, y), x, y);
-      if (x >= 13 && x < 87 && y >= 22 && y < 69)
-        expect_identical(a.film.at(x, y), c.film.at(x, y), x, y);
-    }
-  EXPECT_EQ(a.statistics.rays.total(), b.statistics.rays.total());
-  EXPECT_EQ(a.statistics.samples, 100u * 70u * 8u);
-  EXPECT_EQ(a.statistics.rays.camera, a.statistics.samples);
 }
 
 TEST(Features, OfTheFirstSurfaceThatScatters) {
@@ -334,126 +275,6 @@ TEST(Visibility, LightsAndEnvironmentCanHideFromTheCameraButStillShine) {
   EXPECT_EQ(hidden.film.at(0, 0).color, V3f(0.0f));
   EXPECT_EQ(brightest(hidden, 0, 16), 0.0f);
   EXPECT_GT(brightest(hidden, 16, 32), 1.0f);
-}
-
-// What a surface of this colour brings is found, whichever channel it is in: lights are skipped
-// when they are black only.
-TEST(Render, NanIsReportedWithPixelAndBounceInEveryChannel) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  for (const V3f& bad : {V3f(kNan, 0, 0), V3f(0, kNan, 0), V3f(0, 0, kNan)})
-    for (const bool in_light : {false, true}) {
-      Scene scene;
-      add_material(scene, MaterialType::kDiffuse, in_light ? V3f(0.5f) : bad);
-      add_mesh(scene, sphere_mesh(3), 0);
-      if (in_light) {
-        add_rectangle(scene, V3f(-1, -1, 3), V3f(0, 2, 0), V3f(2, 0, 0), 1.0f);
-        scene.rectangles[0].radiance = bad;
-      } else {
-        add_constant_environment(scene, 1.0f);
-      }
-      look_at_sphere(scene);
-      if (in_light) scene.camera.position = V3f(0, 2, 4);
-      set_image(scene, 16, 16, 4);
-      const RenderResult result = render(scene);
-      const auto& places = result.statistics.non_finite_places;
-      ASSERT_FALSE(places.empty()) << bad << ", in a light: " << in_light;
-      EXPECT_EQ(places.size(), std::min<std::uint64_t>(result.statistics.non_finite_samples,
-                                                       NonFiniteReport::kMost));
-      EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
-      for (const NonFinitePlace& place : places) EXPECT_EQ(place.bounce, 1u);
-      for (int y = 0; y < 16; ++y)
-        for (int x = 0; x < 16; ++x) ASSERT_TRUE(is_finite(result.film.at(x, y).color));
-
-      RenderOptions options;
-      options.stop_at_non_finite = true;
-      try {
-        render(scene, options);
-        ADD_FAILURE() << "not stopped";
-      } catch (const std::runtime_error& e) {
-        const std::regex place("pixel [0-9]+,[0-9]+, sample [0-3], after bounce 1");
-        EXPECT_TRUE(std::regex_search(e.what(), place)) << e.what();
-      }
-    }
-}
-
-// The same places whatever the threads; the samples that decide how many there shall be report too.
-TEST(Render, ReportedPlacesDoNotDependOnThreads) {
-  Scene scene = mixed_scene();
-  scene.settings.spp = 8;
-  scene.settings.noise_target = 0.1f;
-  scene.rectangles[0].radiance = V3f(3e38f);
-  scene.environment->radiance = V3f(3e38f);
-  RenderOptions options;
-  options.threads = 1;
-  const auto one = render(scene, options).statistics.non_finite_places;
-  options.threads = 2;
-  EXPECT_EQ(one, render(scene, options).statistics.non_finite_places);
-  EXPECT_EQ(one.size(), NonFiniteReport::kMost);
-}
-
-// Light beyond what float holds: the sums overflow, and no pixel shows it.
-TEST(Render, NonFiniteSamplesAreCountedAndNeverWritten) {
-  Scene scene = mixed_scene();
-  scene.settings.spp = 4;
-  scene.rectangles[0].radiance = V3f(3e38f);
-  scene.environment->radiance = V3f(3e38f);
-  const RenderResult result = render(scene);
-  EXPECT_GT(result.statistics.non_finite_samples, 0u);
-  EXPECT_LT(result.statistics.non_finite_samples, result.statistics.samples);
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 48; ++x) {
-      const Pixel& p = result.film.at(x, y);
-      ASSERT_TRUE(is_finite(p.color) && is_finite(p.variance) && is_finite(p.albedo) &&
-                  is_finite(p.normal) && std::isfinite(p.depth))
-          << x << ", " << y;
-    }
-}
-
-TEST(Render, CanBeCancelledAndReportsProgress) {
-  Scene scene = mixed_scene();
-  scene.settings.spp = 2;
-  std::vector<double> fractions;
-  RenderOptions options;
-  options.threads = 2;
-  options.progress = [&](double f) { fractions.push_back(f); };
-  EXPECT_FALSE(render(scene, options).cancelled());
-  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
-  ASSERT_FALSE(fractions.empty());
-  EXPECT_EQ(fractions.back(), 1.0);
-
-  std::atomic<bool> cancel{true};
-  options.cancel = &cancel;
-  const RenderResult result = render(scene, options);
-  EXPECT_TRUE(result.cancelled());
-  EXPECT_EQ(result.statistics.samples, 0u);
-  EXPECT_EQ(result.film.at(0, 0).samples, 0u);
-}
-
-TEST(Render, RefusesWhatCannotBeRendered) {
-  const Scene good = mixed_scene();
-  const auto refused = [](const Scene& scene) {
-    EXPECT_THROW(render(scene), std::invalid_argument);
-  };
-  Scene scene = good;
-  scene.settings.spp = 0;
-  refused(scene);
-  scene = good;
-  scene.settings.width = 0;
-  refused(scene);
-  scene = good;
-  scene.settings.crop = Crop{0, 0, 49, 10};
-  refused(scene);
-  scene.settings.crop = Crop{5, 5, 5, 10};
-  refused(scene);
-  scene = good;
-  scene.camera.look_at = scene.camera.position;
-  refused(scene);
-  scene = good;
-  scene.camera.vertical_fov = 180.0f;
-  refused(scene);
-  scene = good;
-  scene.environment->file = "/nowhere/sky.exr";
-  EXPECT_THROW(render(scene), std::runtime_error);
 }
 
 }  // namespace

@@ -25,9 +25,9 @@ TEST(Sobol, OwenScrambleIsABijectionThatKeepsAlignedBlocks) {
   for (const std::uint32_t seed : {0u, 1u, 0xdeadbeefu, 0x80000000u})
     for (int k = 0; k <= 10; ++k) {
       std::set<std::uint32_t> images;
-      const std::uint32_t block = owen_scramble(0, seed) >> k;
+      const std::uint32_t block = owen_shuffle(0, seed) >> k;
       for (std::uint32_t i = 0; i < (1u << k); ++i) {
-        const std::uint32_t image = owen_scramble(i, seed);
+        const std::uint32_t image = owen_shuffle(reverse_bits(i), seed);
         EXPECT_EQ(image >> k, block);
         images.insert(image);
       }

@@ -106,4 +106,10 @@ inline ChiSquared chi_squared(const std::function<std::optional<V3f>(Random&)>& 
   return result;
 }
 
+inline double sphere_integral(const std::function<double(const V3f&)>& f, int fine = 24) {
+  double sum = 0.0;
+  for (const double x : SphereGrid{}.integrate(f, fine)) sum += x;
+  return sum;
+}
+
 }  // namespace morsel::render::testing

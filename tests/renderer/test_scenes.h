@@ -121,4 +121,28 @@ inline Imath::M44d rotated_y(double degrees) {
   return m;
 }
 
+// All pixels see the unit sphere at the origin.
+inline void look_at_sphere(Scene& scene) {
+  scene.camera.position = V3f(0, 0, 4);
+  scene.camera.vertical_fov = 20.0f;
+}
+
+// Everything at once: diffuse floor, rough metal, rough glass, an environment, a rectangle.
+inline Scene mixed_scene() {
+  Scene scene;
+  add_material(scene, MaterialType::kDiffuse, V3f(0.7f, 0.6f, 0.5f));
+  add_material(scene, MaterialType::kConductor, V3f(0.9f, 0.7f, 0.4f), 0.4f);
+  add_material(scene, MaterialType::kDielectric, V3f(0.9f), 0.5f);
+  scene.materials[0].checker_color = V3f(0.2f);
+  add_mesh(scene, plane_mesh(6.0f, -1.0f), 0);
+  add_mesh(scene, sphere_mesh(3, true), 1, translated(-1.2, 0, 0));
+  add_mesh(scene, sphere_mesh(3, true), 2, translated(1.2, 0, 0));
+  add_constant_environment(scene, 0.3f);
+  add_rectangle(scene, V3f(-1, 3, -1), V3f(2, 0, 0), V3f(0, 0, 2), 8.0f);
+  scene.camera.position = V3f(0, 2, 6);
+  scene.camera.vertical_fov = 35.0f;
+  set_image(scene, 48, 32, 64, 4);
+  return scene;
+}
+
 }  // namespace morsel::render::testing

@@ -129,6 +129,68 @@ TEST_F(MeshCommandTest, FarFromTheOrigin) {
   EXPECT_NE(text.str().find("translation"), std::string::npos);
 }
 
+// Far away, only about its own middle is the ball fine enough for floats.
+TEST_F(MeshCommandTest, RoundingOfPositionsIsWithinTheBound) {
+  const CommandResult result =
+      mesh(ball_, {"--set",
+                   "geometries.ball.field.density={\"type\":\"sphere\",\"radius\":0.001,"
+                   "\"center\":[1000.5,1000.5,1000.5],\"smoothing\":0.00001}",
+                   "--set",
+                   "geometries.ball.bounds={\"min\":[1000.4987,1000.4987,1000.4987],"
+                   "\"max\":[1000.5013,1000.5013,1000.5013]}",
+                   "--error", "3e-7", "-o", glb_, "--json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json info = json::parse(result.out);
+  EXPECT_LE(info["error_bound"], 3e-7);
+  // The node's translation in doubles, and positions about it.
+  const std::string text = read_text(glb_);
+  std::uint32_t length;
+  std::memcpy(&length, text.data() + 12, 4);
+  const json gltf = json::parse(text.substr(20, length));
+  const json shift = gltf["nodes"][0]["translation"];
+  const double radius = std::sqrt(1e-6 - 1e-10);
+  const std::size_t vertices = info["vertices"];
+  for (std::size_t i = 0; i < vertices; ++i) {
+    float x[3];
+    std::memcpy(x, text.data() + 28 + length + 12 * i, 12);
+    double square = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ASSERT_LT(std::abs(x[k]), 0.0011f);  // so rounding is 1e-10
+      const double offset = double{x[k]} + (shift[k].get<double>() - 1000.5);
+      square += offset * offset;
+    }
+    ASSERT_NEAR(std::sqrt(square), radius, info["error_bound"].get<double>());
+  }
+}
+
+// Not even about its middle; a shallow octree keeps the mesh small.
+TEST_F(MeshCommandTest, FloatsThatAreTooCoarseForGlbAreRefused) {
+  const auto fine = [&](const std::string& file) {
+    return mesh(ball_, {"--error", "1e-6", "--max-depth", "5", "-o", file});
+  };
+  const CommandResult refused = fine(glb_);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.err.find("write .ply"), std::string::npos) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(glb_));
+  EXPECT_EQ(fine(ply_).code, 0);
+  EXPECT_NE(read_text(ply_).find("property double x"), std::string::npos);
+}
+
+TEST_F(MeshCommandTest, SaysWhatIsProvedOfTheLabels) {
+  const CommandResult certified = mesh(ball_, {"--error", "0.1", "-o", ply_, "--json"});
+  ASSERT_EQ(certified.code, 0) << certified.err;
+  EXPECT_EQ(json::parse(certified.out)["labels_certified"], true);
+  std::filesystem::remove(ply_);
+  // A solid that fills its bounds: warned of as other commands do, and no mesh.
+  const CommandResult filled =
+      mesh(ball_, {"--error", "0.1", "-o", ply_, "--set",
+                   "geometries.ball.bounds={\"min\":[-0.3,-0.3,-0.3],\"max\":[0.3,0.3,0.3]}"});
+  EXPECT_EQ(filled.code, 1);
+  EXPECT_NE(filled.err.find("reaches its bounds"), std::string::npos) << filled.err;
+  EXPECT_NE(filled.err.find("would end"), std::string::npos) << filled.err;
+  EXPECT_FALSE(std::filesystem::exists(ply_));
+}
+
 TEST_F(MeshCommandTest, WrongUsageNamesWhatIsWrong) {
   const auto fails = [&](const std::string& scene, std::vector<std::string> more, int code,
                          const std::string& part) {

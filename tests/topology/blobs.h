@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -51,6 +52,7 @@ class Blobs final : public ScalarField {
       }
       t.size = 1.0 + far * inverse_square_;
       const double slack = 1e-12 * t.size;
+      if (near * inverse_square_ > 1.0 + slack) continue;  // nothing, not even rounding
       const geom::CubicPiece piece = geom::truncated_cube(1.0 - inverse_square_ * t.d.length2(),
                                                           1.0 - far * inverse_square_ - slack,
                                                           1.0 - near * inverse_square_ + slack);
@@ -121,5 +123,15 @@ class Linear final : public ScalarField {
   Imath::V3d slope_;
   double constant_;
 };
+
+// Two blobs of radius 1 and level 0.3, side by side along `direction`, about the point `shift`. F
+// on the axis between them is least half way, where it is 2 (1 - d^2/4)^3 - level for a distance d:
+// d is such that this is `saddle`.
+inline Blobs two_blobs(double saddle, const Imath::V3d& direction, const Imath::V3d& shift) {
+  const double level = 0.3;
+  const double d = 2.0 * std::sqrt(1.0 - std::cbrt((level + saddle) / 2.0));
+  const Imath::V3d offset = direction.normalized() * (d / 2.0);
+  return Blobs({shift + offset, shift - offset}, 1.0, level);
+}
 
 }  // namespace morsel::topology::testing

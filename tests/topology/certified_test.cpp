@@ -27,6 +27,7 @@ using testing::Constant;
 using testing::Counted;
 using testing::flood_fill;
 using testing::Linear;
+using testing::two_blobs;
 
 Box cube(double half, const Imath::V3d& centre = Imath::V3d(0.0)) {
   return {centre - Imath::V3d(half), centre + Imath::V3d(half)};
@@ -67,15 +68,6 @@ TEST(Certified, SphereVolumeIsEnclosed) {
   EXPECT_LT(t.components[0].volume_lo, volume);
   EXPECT_GT(t.components[0].volume_hi, volume);
   EXPECT_FALSE(t.touches_box.has_value());
-}
-
-// Two blobs of radius 1 at distance d: F on the axis between them is least half way, where it is
-// 2 (1 - d^2/4)^3 - level. Place d so that this is `saddle`.
-Blobs two_blobs(double saddle, const Imath::V3d& direction, const Imath::V3d& shift) {
-  const double level = 0.3;
-  const double d = 2.0 * std::sqrt(1.0 - std::cbrt((level + saddle) / 2.0));
-  const Imath::V3d offset = direction.normalized() * (d / 2.0);
-  return Blobs({shift + offset, shift - offset}, 1.0, level);
 }
 
 TEST(Certified, GapsAndBridgesDownToAHundredMillionth) {

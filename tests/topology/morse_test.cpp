@@ -23,6 +23,7 @@ namespace {
 
 using testing::Blobs;
 using testing::Constant;
+using testing::two_blobs;
 
 Box cube(double half, const Imath::V3d& centre = Imath::V3d(0.0)) {
   return {centre - Imath::V3d(half), centre + Imath::V3d(half)};
@@ -60,14 +61,6 @@ TEST(Morse, OneSphere) {
     EXPECT_GT(c.points[0].basin, 0.001);
     EXPECT_EQ(c.main, 0u);
   }
-}
-
-// Two blobs of radius 1 so far apart that F half way between them is `saddle`.
-Blobs two_blobs(double saddle, const Imath::V3d& direction, const Imath::V3d& shift) {
-  const double level = 0.3;
-  const double d = 2.0 * std::sqrt(1.0 - std::cbrt((level + saddle) / 2.0));
-  const Imath::V3d offset = direction.normalized() * (d / 2.0);
-  return Blobs({shift + offset, shift - offset}, 1.0, level);
 }
 
 TEST(Morse, TwoBlobsJustJoinedAndJustApart) {

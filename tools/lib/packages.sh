@@ -17,6 +17,8 @@ MORSEL_PACKAGES=(
 
 # What some tests look at Morsel's files with; they are skipped where it is missing.
 MORSEL_TEST_PACKAGES=(python3-jsonschema zsh fish)
+# What the tests labelled `slow` use besides: CGAL judges whether meshes intersect themselves.
+MORSEL_SLOW_TEST_PACKAGES=(libcgal-dev)
 
 # Prints those of the given packages that are not installed, one a line.
 missing_packages() {

@@ -44,6 +44,20 @@ struct MeshCell {
   }
 };
 
+// The axis and side (-1, 1) of a face of the cell that lies on the boundary of the octree's box;
+// side 0: there is none.
+struct BoxFace {
+  unsigned axis = 0;
+  int side = 0;
+};
+inline BoxFace face_on_box(const MeshCell& cell) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    if (cell.min.at[axis] == 0) return {axis, -1};
+    if (cell.min.at[axis] + cell.size() == kGridSize) return {axis, 1};
+  }
+  return {};
+}
+
 // From grid points to object space. Exact for the boxes of labelled octrees (see dyadic_box).
 class Grid {
  public:

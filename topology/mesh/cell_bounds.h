@@ -25,6 +25,9 @@ struct CellBounds {
   double curvature = 0.0;
   bool resolved = false;  // see is_resolved
 
+  // Whether the topology of the surface in the cell is proved.
+  bool is_proved() const { return resolved && slope > 0.0; }
+
   // Bound on the distance from F = 0 of any point of the triangle, whose corners lie in the cell
   // and have |F| <= residual; infinite when nothing follows.
   double triangle_error(const std::array<Imath::V3d, 3>& corners, double residual) const;

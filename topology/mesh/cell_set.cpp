@@ -76,8 +76,24 @@ std::optional<CellBounds> CellSet::examine(const ScalarField& field, const MeshC
   return bounds_of(model, box, reach(cell));
 }
 
+void CellSet::refuse_open(const ScalarField& field, const MeshCell& cell) const {
+  const BoxFace face = face_on_box(cell);
+  if (face.side == 0) return;
+  const Box box = grid_.box(cell);
+  Imath::V3d place = centre(box);
+  if (field.value(place) < 0.0) return;
+  const int axis = static_cast<int>(face.axis);
+  place[axis] = face.side < 0 ? box.min[axis] : box.max[axis];
+  throw MeshOpen(place);
+}
+
+CellBounds CellSet::bounds_with_reach(std::uint32_t i, double reach) const {
+  const Box box = grid_.box(cells_[i].cell);
+  return bounds_of(whole_.model(inflated(box, reach)), box, reach);
+}
+
 bool CellSet::is_fine(const MeshCell& cell, const CellBounds& bounds) const {
-  if (!bounds.resolved || !(bounds.slope > 0.0)) return false;
+  if (!bounds.is_proved()) return false;
   const Box box = grid_.box(cell);
   const Imath::V3d size = box.max - box.min;
   const double longest = std::max(size.x, std::max(size.y, size.z));
@@ -94,7 +110,10 @@ void CellSet::grow_children(const ScalarField& field, const MeshCell& cell,
 void CellSet::grow(const ScalarField& field, const MeshCell& cell,
                    std::vector<BoundedCell>& out) const {
   const std::optional<CellBounds> bounds = examine(field, cell);
-  if (!bounds) return;
+  if (!bounds) {
+    refuse_open(field, cell);
+    return;
+  }
   if (cell.depth >= goal_.max_depth || is_fine(cell, *bounds))
     add({cell, *bounds}, out);
   else
@@ -118,7 +137,10 @@ std::vector<BoundedCell> CellSet::grow_node(const ScalarField& field, std::uint3
   // The surface in a resolved cell is connected, so all of it belongs to that one component.
   if (whole.depth > 0 && whole.depth <= goal_.max_depth) {
     const std::optional<CellBounds> bounds = examine(field, whole);
-    if (!bounds) return result;
+    if (!bounds) {
+      refuse_open(field, whole);
+      return result;
+    }
     if (is_fine(whole, *bounds)) {
       add({whole, *bounds}, result);
       return result;

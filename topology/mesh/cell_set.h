@@ -53,10 +53,13 @@ class CellSet {
   std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }
   const MeshCell& operator[](std::uint32_t i) const { return cells_[i].cell; }
   const CellBounds& bounds(std::uint32_t i) const { return cells_[i].bounds; }
+  // The same for a larger surrounding of the cell.
+  CellBounds bounds_with_reach(std::uint32_t i, double reach) const;
   const ScalarField& field(std::uint32_t i) const { return fields_.of(i); }
   const CellIndex& index() const { return index_; }
   const Grid& grid() const { return grid_; }
   double error() const { return goal_.error; }
+  double level() const { return goal_.level; }
   int max_depth() const { return goal_.max_depth; }
 
   // The coarsest cells of the octree that hold all the surface that these cells hold and are fine;
@@ -73,6 +76,9 @@ class CellSet {
   static std::vector<MeshCell> plain(const std::vector<BoundedCell>& cells);
   // What is known of the cell; nothing if it is proved to hold no surface.
   std::optional<CellBounds> examine(const ScalarField& field, const MeshCell& cell) const;
+  // Throws MeshOpen if a cell that is proved to hold no surface is solid and touches the box's
+  // boundary.
+  void refuse_open(const ScalarField& field, const MeshCell& cell) const;
   bool is_fine(const MeshCell& cell, const CellBounds& bounds) const;
   double reach(const MeshCell& cell) const;
   // Appends the fine cells within a cell; `field` holds on it and its reach.

@@ -57,6 +57,16 @@ void for_each_cut_edge_of(const Corners& corners, std::uint32_t cell, Visit&& vi
   }
 }
 
+void refuse_open(const CellSet& cells, const Corners& corners, std::uint32_t cell) {
+  if (face_on_box(cells[cell]).side == 0) return;
+  for (unsigned i = 0; i < 8; ++i) {
+    const GridPoint corner = cells[cell].corner(i);
+    for (const std::uint32_t at : corner.at)
+      if ((at == 0 || at == kGridSize) && corners.inside(cell, i))
+        throw MeshOpen(cells.grid().point(corner));
+  }
+}
+
 }  // namespace
 
 CutEdges find_cut_edges(const CellSet& cells, const Corners& corners, const Execution& execution) {
@@ -68,6 +78,7 @@ CutEdges find_cut_edges(const CellSet& cells, const Corners& corners, const Exec
       cells.size(), execution, nullptr,
       [&](std::size_t first, std::size_t last, std::vector<Found>& out) {
         for (auto c = static_cast<std::uint32_t>(first); c < last; ++c) {
+          refuse_open(cells, corners, c);
           for_each_cut_edge_of(corners, c, [&](unsigned axis, unsigned corner, bool rising) {
             const Ring ring = ring_around(cells, c, axis, corner);
             if (!ring.owned) return;

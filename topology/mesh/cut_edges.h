@@ -37,7 +37,8 @@ struct CutEdges {
   std::vector<OpenEdge> open;
 };
 
-// Throws MeshOpen when an edge with different signs lies on the boundary of the octree's box.
+// Throws MeshOpen when a corner in S lies on the boundary of the octree's box: in a resolved cell
+// there is one as soon as S meets that boundary.
 CutEdges find_cut_edges(const CellSet& cells, const Corners& corners, const Execution& execution);
 
 // As find_cut_edges, after changing signs of corners until no edge is open: where F is 0 to within

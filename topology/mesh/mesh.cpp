@@ -11,6 +11,7 @@
 #include "topology/mesh/cell_set.h"
 #include "topology/mesh/corners.h"
 #include "topology/mesh/cut_edges.h"
+#include "topology/mesh/level.h"
 #include "topology/mesh/level_field.h"
 #include "topology/mesh/parallel.h"
 #include "topology/mesh/polygons.h"
@@ -24,24 +25,6 @@ namespace {
 using namespace meshing;
 
 constexpr std::size_t kListed = 1000;
-
-// The mesh is that of F = level, level being a share of the error that is negligible but far above
-// rounding: a surface that touches a plane of the octree, or lies in it, would else never be told
-// from one that does not. The two surfaces have the same topology where the gradient does not
-// vanish between them, which is proved cell by cell.
-double level_for(const ScalarField& field, const Grid& grid, const std::vector<BoundedCell>& cells,
-                 double error) {
-  constexpr double kShare = 1e-7;
-  constexpr std::size_t kSamples = 256;
-  std::vector<double> slopes;
-  const std::size_t step = std::max<std::size_t>(1, cells.size() / kSamples);
-  for (std::size_t i = 0; i < cells.size(); i += step)
-    slopes.push_back(field.jet(centre(grid.box(cells[i].cell))).gradient.length());
-  if (slopes.empty()) return 0.0;
-  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-  std::nth_element(slopes.begin(), middle, slopes.end());
-  return kShare * error * *middle;
-}
 
 // The surface in one set of cells, before it is known whether it is near enough.
 struct Draft {
@@ -69,17 +52,43 @@ Draft draw(const CellSet& cells, const Execution& execution) {
   return d;
 }
 
-// Cells whose triangles are too far from the surface and that may still be subdivided.
-std::vector<bool> too_coarse(const CellSet& cells, const Draft& d, bool& any) {
-  std::vector<bool> marked(cells.size(), false);
-  any = false;
+// Cells whose triangles are too far from the surface.
+struct TooCoarse {
+  std::vector<bool> marked;  // those that subdivision may help
+  bool any = false;          // of them
+  bool level = false;        // in some it is the level that is too far from F = 0
+};
+
+TooCoarse too_coarse(const CellSet& cells, const Draft& d, bool level_is_lowest) {
+  TooCoarse result{std::vector<bool>(cells.size(), false)};
   for (std::size_t i = 0; i < d.fillings.size(); ++i) {
     const std::uint32_t cell = d.polygons.polygons[i].cell;
     if (d.fillings[i].error <= cells.error() || cells[cell].depth >= cells.max_depth()) continue;
-    marked[cell] = true;
-    any = true;
+    const CellBounds& bounds = cells.bounds(cell);
+    if (!level_is_lowest && bounds.slope > 0.0 &&
+        cells.level() > 0.25 * bounds.slope * bounds.reach)
+      result.level = true;
+    result.marked[cell] = true;
+    result.any = true;
   }
-  return marked;
+  return result;
+}
+
+// The cells in which the topology is not proved.
+std::vector<BoundedCell> unproved(const std::vector<BoundedCell>& cells) {
+  std::vector<BoundedCell> result;
+  for (const BoundedCell& c : cells)
+    if (!c.bounds.is_proved()) result.push_back(c);
+  return result;
+}
+
+// The cells of the surface at one level.
+std::vector<BoundedCell> cells_at(double level, const ScalarField& field, const Grid& grid,
+                                  std::vector<BoundedCell> cells, CellGoal goal,
+                                  const Execution& execution) {
+  goal.level = level;
+  const LevelField<const ScalarField*> level_field(&field, level);
+  return CellSet(level_field, grid, std::move(cells), goal).fine_cells(execution);
 }
 
 // What is not proved, cell by cell.
@@ -87,7 +96,7 @@ void report_unresolved(const ScalarField& field, const CellSet& cells, const Dra
   std::vector<bool> marked(cells.size(), false);
   mesh.certified = true;
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    if (cells.bounds(i).resolved && cells.bounds(i).slope > 0.0) continue;
+    if (cells.bounds(i).is_proved()) continue;
     marked[i] = true;
     mesh.certified = false;
   }
@@ -177,17 +186,40 @@ Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std:
         fmt::format("the depth limit of a mesh must lie between 0 and {}", kMaxDepth));
   const Grid grid(octree.box);
   CellGoal goal{options.error, options.max_depth, 0.0, execution.max_bytes};
-  std::vector<BoundedCell> cells = labelled_cells(octree, grid, kept, goal);
-  goal.level = level_for(field, grid, cells, options.error);
-  const LevelField<const ScalarField*> level_field(&field, goal.level);
-  cells = CellSet(level_field, grid, std::move(cells), goal).fine_cells(execution);
+  const Levels levels = levels_for(field, octree, kept, options.error);
+  const auto labelled = [&] { return labelled_cells(octree, grid, kept, goal); };
+  goal.level = levels.highest;
+  std::vector<BoundedCell> cells = cells_at(goal.level, field, grid, labelled(), goal, execution);
+  // Whether a lower level helps is seen from the cells in question alone.
+  std::vector<BoundedCell> open = unproved(cells);
+  const std::size_t open_cells = open.size();
+  double best = goal.level;
+  for (double level = best; !open.empty() && level > levels.lowest;) {
+    level = levels.below(level);
+    std::vector<BoundedCell> rest = unproved(cells_at(level, field, grid, open, goal, execution));
+    if (rest.size() <= open.size()) best = level;
+    open = std::move(rest);
+  }
+  if (best < goal.level) {
+    std::vector<BoundedCell> lower = cells_at(best, field, grid, labelled(), goal, execution);
+    if (unproved(lower).size() <= open_cells) {
+      cells = std::move(lower);
+      goal.level = best;
+    }
+  }
   for (;;) {
+    const LevelField<const ScalarField*> level_field(&field, goal.level);
     const CellSet set(level_field, grid, std::move(cells), goal);
     Draft draft = draw(set, execution);
-    bool any = false;
-    const std::vector<bool> marked = too_coarse(set, draft, any);
-    if (!any) return finish(field, set, draft, execution);
-    cells = set.subdivided(marked, execution);
+    const TooCoarse coarse = too_coarse(set, draft, goal.level <= levels.lowest);
+    if (coarse.level) {
+      goal.level = levels.below(goal.level);
+      cells = cells_at(goal.level, field, grid, labelled(), goal, execution);
+    } else if (coarse.any) {
+      cells = set.subdivided(coarse.marked, execution);
+    } else {
+      return finish(field, set, draft, execution);
+    }
   }
 }
 

@@ -22,7 +22,9 @@ struct MeshOptions {
 };
 
 // A closed triangle mesh: each edge belongs to exactly two triangles, which traverse it in opposite
-// directions; triangles are counter-clockwise seen from outside (F < 0).
+// directions; the solid lies behind every closed surface whose triangles look counter-clockwise. A
+// triangle that is narrower than the error may be tilted by any angle, also beyond its vertices'
+// normals.
 struct Mesh {
   std::vector<Imath::V3d> positions;
   std::vector<Imath::V3f> normals;        // unit, outward: -grad F, from the exact gradient
@@ -30,7 +32,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 
   // Proved: no point of the mesh is farther from F = 0 than this. Above MeshOptions::error, or
-  // infinite, only when cells at the depth limit made it so.
+  // infinite, only in `unresolved` cells: at the depth limit, or where rounding leaves no level
+  // between the surface and a saddle.
   double error_bound = 0.0;
   // Proved: the solids bounded by mesh and surface are homotopy equivalent in every cell, so that
   // they have the same components, tunnels and cavities. Otherwise `unresolved` says where not.
@@ -44,7 +47,8 @@ struct Mesh {
 // The surface of the components with kept[id], within the octree's box. `octree` was labelled for
 // `field`; cells that hold nothing kept are not looked at. Runs in the caller's TBB arena; the
 // result does not depend on the number of threads. Throws std::invalid_argument unless the error is
-// positive, MeshOpen when the box cuts a kept component, MemoryLimit, Cancelled.
+// positive and above what rounding alone takes up, MeshOpen when the box cuts a kept component,
+// MemoryLimit, Cancelled.
 Mesh extract_mesh(const ScalarField& field, const OctreeView& octree, const std::vector<bool>& kept,
                   const MeshOptions& options, const Execution& execution = {});
 

@@ -2,6 +2,7 @@
 #include "topology/mesh/triangulate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace morsel::topology::meshing {
@@ -31,11 +32,8 @@ bool is_graph(const Points& p, std::size_t c, const Imath::V3d& outward) {
   return true;
 }
 
-}  // namespace
-
-Filling fill(const CellSet& cells, const Polygons& polygons, const Polygon& polygon,
-             const std::vector<Vertex>& on_edge) {
-  const CellBounds& bounds = cells.bounds(polygon.cell);
+Filling fill_within(const CellBounds& bounds, const CellSet& cells, const Polygons& polygons,
+                    const Polygon& polygon, const std::vector<Vertex>& on_edge) {
   Points p;
   double residual = 0.0;
   for (std::uint32_t k = 0; k < polygon.size; ++k) {
@@ -74,6 +72,21 @@ Filling fill(const CellSet& cells, const Polygons& polygons, const Polygon& poly
         std::max(around.error,
                  bounds.triangle_error({around.apex.position, p[k], p[(k + 1) % n]}, residual));
   return around;
+}
+
+}  // namespace
+
+Filling fill(const CellSet& cells, const Polygons& polygons, const Polygon& polygon,
+             const std::vector<Vertex>& on_edge) {
+  Filling filling = fill_within(cells.bounds(polygon.cell), cells, polygons, polygon, on_edge);
+  if (std::isfinite(filling.error) || !(cells.bounds(polygon.cell).slope > 0.0)) return filling;
+  // Next to a saddle the cells may be smaller than what lies between the level and F = 0.
+  const CellBounds& own = cells.bounds(polygon.cell);
+  const double reach =
+      std::min(cells.error(), std::max(own.reach, 8.0 * cells.level() / own.slope));
+  if (!(reach > own.reach)) return filling;
+  const CellBounds wider = cells.bounds_with_reach(polygon.cell, reach);
+  return fill_within(wider, cells, polygons, polygon, on_edge);
 }
 
 void append_triangles(const Polygons& polygons, const Polygon& polygon, const Filling& filling,

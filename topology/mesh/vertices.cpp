@@ -14,6 +14,13 @@ namespace {
 double clearance(double error, double side) { return std::min(0.05 * error, side / 64.0); }
 double precision(double error, double side) { return 1e-3 * std::min(error, side); }
 
+// A bound on |F| at a point of the cell: what the model of a box without extent leaves unknown is
+// rounding.
+double proved_residual(const CellSet& cells, std::uint32_t cell, const Imath::V3d& x) {
+  const LocalModel model = cells.field(cell).model({x, x});
+  return std::abs(model.c[monomial::k1]) + model.value_error + cells.level();
+}
+
 }  // namespace
 
 Vertex vertex_on(const CellSet& cells, const Corners& corners, const CutEdge& edge) {
@@ -44,7 +51,7 @@ Vertex vertex_on(const CellSet& cells, const Corners& corners, const CutEdge& ed
   const double away = clearance(cells.error(), b - a);
   Vertex v;
   v.position = at(std::clamp(t, a + away, b - away));
-  v.residual = std::abs(field.value(v.position));
+  v.residual = proved_residual(cells, edge.cell, v.position);
   return v;
 }
 
@@ -75,6 +82,7 @@ Vertex apex_in(const CellSet& cells, std::uint32_t cell, std::span<const Imath::
     best = {next, residual};
     at = next;
   }
+  best.residual = proved_residual(cells, cell, best.position);
   return best;
 }
 

@@ -11,7 +11,7 @@
 
 namespace morsel::topology::meshing {
 
-// A vertex of the mesh and |F| there.
+// A vertex of the mesh and a bound on |F| there: proved, with the level at which the mesh is made.
 struct Vertex {
   Imath::V3d position{0.0};
   double residual = 0.0;

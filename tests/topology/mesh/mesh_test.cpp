@@ -22,6 +22,7 @@ using testing::cube;
 using testing::expect_closed_manifold;
 using testing::expect_near_surface;
 using testing::mesh_of;
+using testing::two_blobs;
 
 TEST(Mesh, SphereAtEveryError) {
   const auto field = field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
@@ -60,14 +61,6 @@ TEST(Mesh, TorusHasGenusOne) {
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].surfaces, 1u);
   EXPECT_EQ(parts[0].euler_characteristic, 0);
-}
-
-// The same blobs as in the tests of certify: F is `saddle` half way between the two.
-Blobs two_blobs(double saddle, const Imath::V3d& direction, const Imath::V3d& shift) {
-  const double level = 0.3;
-  const double d = 2.0 * std::sqrt(1.0 - std::cbrt((level + saddle) / 2.0));
-  const Imath::V3d offset = direction.normalized() * (d / 2.0);
-  return Blobs({shift + offset, shift - offset}, 1.0, level);
 }
 
 TEST(Mesh, GapsAndBridgesFarBelowTheError) {
@@ -190,6 +183,21 @@ TEST(Mesh, ASolidCutByItsBoxIsRefused) {
     EXPECT_NEAR(e.place.z, 0.5, 1e-2);
     EXPECT_NE(std::string(e.what()).find("bounds"), std::string::npos);
   }
+}
+
+// Also where no surface meets the box's boundary: all of that is solid.
+TEST(Mesh, ASolidThatFillsItsBoxIsRefused) {
+  const auto ball = field_of({{"density", {{"type", "sphere"}, {"radius", 1.0}}}});
+  EXPECT_THROW(mesh_of(*ball, certify_in(*ball, cube(0.3)), 0.1), MeshOpen);
+  // A hollow within: its surface is closed, the solid's isn't.
+  const auto hollow = field_of(
+      {{"density",
+        {{"type", "difference"},
+         {"densities",
+          {{{"type", "sphere"}, {"radius", 3.0}}, {{"type", "sphere"}, {"radius", 0.3}}}}}}});
+  const Topology t = certify_in(*hollow, cube(1.0));
+  ASSERT_EQ(t.components.size(), 1u);
+  EXPECT_THROW(mesh_of(*hollow, t, 0.05), MeshOpen);
 }
 
 TEST(Mesh, WhatIsNotKeptIsNotThere) {
