@@ -49,8 +49,9 @@ void print_flat(const nlohmann::json& object, const std::string& prefix) {
 // The largest components, which come first.
 void print_table(const topology::Topology& t, const std::vector<bool>& kept, std::size_t rows) {
   if (t.components.empty() || rows == 0) return;
-  std::cout << fmt::format("\n{:>8}  {:>4}  {:>26}  {:>10}  {}\n", "id", "kept",
-                           "volume (certified bounds)", "cells", "box");
+  std::cout << fmt::format(
+      "\n{:>8}  {:>4}  {:>26}  {:>10}  {}\n", "id", "kept",
+      t.engine == "morse" ? "volume (sums of cells)" : "volume (certified bounds)", "cells", "box");
   for (std::size_t i = 0; i < std::min(rows, t.components.size()); ++i) {
     const topology::Component& c = t.components[i];
     std::cout << fmt::format(

@@ -54,11 +54,13 @@ void for_each_face_pair(const OctreeView& octree, Visit visit) {
   faces_inside(octree.nodes, 0, 0, visit);
 }
 
-// What is known of S on the rectangle that two neighbouring leaves share: the face of the smaller
-// one, or of either when they are equal.
+// What is known of S on the rectangle that two neighbouring leaves share: it is part of a full
+// cell, or the face of the smaller one, or of either when they are equal.
 inline Content shared_content(const OctreeNode& lower, const OctreeNode& upper, int axis,
                               int depth_lower, int depth_upper) {
   Content content = Content::kUndecided;
+  if (lower.cell_content() == Content::kFull || upper.cell_content() == Content::kFull)
+    return Content::kFull;
   if (depth_lower >= depth_upper) content = lower.face_content(axis, 1);
   if (content == Content::kUndecided && depth_upper >= depth_lower)
     content = upper.face_content(axis, 0);
@@ -67,7 +69,7 @@ inline Content shared_content(const OctreeNode& lower, const OctreeNode& upper, 
 
 // An undecided face between two decided cells is resolved by subdividing the smaller cell (the
 // lower one of two equal ones), which makes the face's pieces smaller. At the depth limit, or
-// beside an undecided cell, that can't help.
+// beside an undecided cell, or where F vanishes along an edge (vanishing.h), that can't help.
 enum class Remedy { kNone, kDivideLower, kDivideUpper };
 inline Remedy remedy_of(const OctreeNode& lower, const OctreeNode& upper, int axis, int depth_lower,
                         int depth_upper, int max_depth) {
@@ -76,6 +78,7 @@ inline Remedy remedy_of(const OctreeNode& lower, const OctreeNode& upper, int ax
   if (shared_content(lower, upper, axis, depth_lower, depth_upper) != Content::kUndecided)
     return Remedy::kNone;
   const bool first = depth_lower >= depth_upper;
+  if ((first ? lower : upper).reserved == kNotToBeDivided) return Remedy::kNone;
   if ((first ? depth_lower : depth_upper) >= max_depth) return Remedy::kNone;
   return first ? Remedy::kDivideLower : Remedy::kDivideUpper;
 }

@@ -61,11 +61,14 @@ inline void Execution::check_cancel() const {
   if (cancel != nullptr && cancel->load(std::memory_order_relaxed)) throw Cancelled();
 }
 
-// A cell or face that stayed undecided at the depth limit.
+// A cell or face that stayed undecided: at the depth limit, or where cells of no size would be
+// decided since F is zero all along an edge of the octree.
 struct Unresolved {
   Box box;           // no extent along one axis for a face
   double value = 0;  // F at its centre
 };
+
+inline constexpr std::size_t kListedUnresolved = 1000;
 
 // The labelled octree and what follows from it.
 struct Topology {
@@ -78,7 +81,7 @@ struct Topology {
       components_hi;  // empty: not bounded (an unresolved cell may hide any number)
   std::uint64_t unresolved_cells = 0;
   std::uint64_t unresolved_faces = 0;
-  std::vector<Unresolved> unresolved;     // the first 1000 of them
+  std::vector<Unresolved> unresolved;     // the first kListedUnresolved: cells, then faces
   std::optional<Imath::V3d> touches_box;  // a place where S may reach the box's boundary
   std::uint64_t leaves = 0;
   int depth = 0;             // of the deepest leaf

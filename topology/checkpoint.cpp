@@ -17,7 +17,9 @@
 namespace morsel::topology {
 namespace {
 
-constexpr char kMagic[8] = {'M', 'O', 'R', 'S', 'T', 'R', 'E', '1'};
+// The last character is to be changed with everything that changes a tree: how models are bounded,
+// what the cascade asks, when a cell is divided.
+constexpr char kMagic[8] = {'M', 'O', 'R', 'S', 'T', 'R', 'E', '2'};
 constexpr std::uint32_t kMaxTrees = 1u << 20;
 
 struct Header {

@@ -5,36 +5,15 @@
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <numeric>
 
 #include "topology/bound_solid.h"
+#include "topology/component_bounds.h"
 #include "topology/tree_labels.h"
 #include "topology/union_find.h"
 
 namespace morsel::topology {
 namespace {
-
-constexpr std::size_t kListed = 1000;  // unresolved places kept in the result
-
-// How many local maxima of F an unresolved cell can hold at most: 0, 1, or -1 for "no bound".
-int possible_maxima(const ScalarField& field, const Box& box) {
-  const LocalModel model = field.model(box);
-  for (int i = 0; i < 3; ++i) {
-    const Interval slope = model.gradient_range(i);
-    if (slope.lo > 0.0 || slope.hi < 0.0) return 0;
-    if (model.hessian_range(i, i).lo > 0.0) return 0;  // curved upwards along an axis: no maximum
-  }
-  // Diagonally dominant and negative: strictly concave on the cell, at most one maximum
-  // (Gershgorin).
-  for (int i = 0; i < 3; ++i) {
-    double reach = 0.0;
-    for (int j = 0; j < 3; ++j)
-      if (j != i) reach += model.hessian_range(i, j).magnitude();
-    if (model.hessian_range(i, i).hi + reach >= 0.0) return -1;
-  }
-  return 1;
-}
 
 Box shared_rectangle(const Box& lower, const Box& upper, int axis) {
   Box r(Imath::V3d(std::max(lower.min.x, upper.min.x), std::max(lower.min.y, upper.min.y),
@@ -127,12 +106,14 @@ class Labelling {
     return all;
   }
 
-  // Writes id[piece] as the component of every leaf.
+  // Writes id[piece] as the component of every leaf, and takes back what only the build wanted.
   void write(const std::vector<std::uint32_t>& id) {
     tbb::parallel_for(std::size_t{0}, trees_.size(), [&](std::size_t t) {
-      for (OctreeNode& node : forest_.trees[t].nodes)
+      for (OctreeNode& node : forest_.trees[t].nodes) {
+        node.reserved = 0;
         if (node.is_leaf() && node.component != kNoComponent)
           node.component = id[piece(t, node.component)];
+      }
     });
   }
 
@@ -143,13 +124,6 @@ class Labelling {
   std::vector<PairLabels> between_;
   std::vector<std::uint32_t> first_;
 };
-
-// The sums of volumes, rounded outward.
-void widen_volumes(Component& c) {
-  const double unit = std::numeric_limits<double>::epsilon() * static_cast<double>(c.cells);
-  c.volume_lo -= unit * c.volume_lo;
-  c.volume_hi += unit * c.volume_hi;
-}
 
 }  // namespace
 
@@ -167,26 +141,34 @@ void label_components(const ScalarField& field, Forest& forest, const Execution&
   if (topology.touches_box) topology.touches_box = place_where_cut(field, forest.box, execution);
 
   // One row per set of certainly joined pieces that hold solid, in order of the sets' first pieces.
-  std::vector<std::uint32_t> row(count, kNoComponent);
-  std::vector<bool> unresolved(count, false);
+  std::vector<std::uint32_t> row(count, kNoComponent), row_of_set(count, kNoComponent);
   std::vector<Component> rows;
+  Undecided undecided;
+  undecided.is_cell.assign(count, false);
   for (std::size_t t = 0; t < labelling.trees().size(); ++t) {
     const TreeLabels& tree = labelling.trees()[t];
     for (std::uint32_t i = 0; i < tree.pieces.size(); ++i) {
       const std::uint32_t piece = labelling.piece(t, i), root = certain.find(piece);
       if (tree.unresolved[i]) {
-        unresolved[piece] = true;
+        undecided.is_cell[piece] = true;
         continue;
       }
-      if (row[root] == kNoComponent) {
-        row[root] = static_cast<std::uint32_t>(rows.size());
+      if (row_of_set[root] == kNoComponent) {
+        row_of_set[root] = static_cast<std::uint32_t>(rows.size());
         rows.emplace_back();
       }
-      row[piece] = row[root];
+      row[piece] = row_of_set[root];
       merge(rows[row[piece]], tree.pieces[i]);
     }
+    for (const auto& [piece, box] : tree.unresolved_cells)
+      undecided.cells.emplace_back(labelling.piece(t, piece), box);
   }
-  for (Component& c : rows) widen_volumes(c);
+  labelling.for_each_possible(
+      [&](std::uint32_t a, std::uint32_t b) { undecided.joins.emplace_back(a, b); });
+  const CountBounds bounds =
+      bound_components(field, undecided, certain, row, topology.touches_box.has_value(), rows);
+  topology.components_lo = bounds.lo;
+  topology.components_hi = bounds.hi;
 
   std::vector<std::uint32_t> order(rows.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -203,45 +185,27 @@ void label_components(const ScalarField& field, Forest& forest, const Execution&
   for (std::uint32_t i = 0; i < count; ++i)
     if (row[i] != kNoComponent) id[i] = id_of_row[row[i]];
 
-  // Bounds of the count: see topology/README.md.
-  UnionFind possible = certain;
-  labelling.for_each_possible([&](std::uint32_t a, std::uint32_t b) { possible.unite(a, b); });
-  std::vector<bool> solid_group(count, false);
-  for (std::uint32_t i = 0; i < count; ++i)
-    if (!unresolved[i]) solid_group[possible.find(i)] = true;
-  topology.components_lo =
-      static_cast<std::uint64_t>(std::count(solid_group.begin(), solid_group.end(), true));
-  std::optional<std::uint64_t> upper = topology.components.size();
-  for (const TreeLabels& tree : labelling.trees()) {
-    for (const auto& [piece, box] : tree.unresolved_cells) {
-      ++topology.unresolved_cells;
-      if (topology.unresolved.size() < kListed)
-        topology.unresolved.push_back({box, field.value(centre(box))});
-      // A maximum on the domain's own boundary need not be a critical point.
-      const int maxima = topology.touches_box || !upper ? -1 : possible_maxima(field, box);
-      if (maxima < 0)
-        upper.reset();
-      else
-        *upper += static_cast<std::uint64_t>(maxima);
-    }
+  topology.unresolved_cells = undecided.cells.size();
+  for (const auto& [piece, box] : undecided.cells) {
+    if (topology.unresolved.size() == kListedUnresolved) break;
+    topology.unresolved.push_back({box, field.value(centre(box))});
   }
-  topology.components_hi = upper;
   std::vector<Box> faces;
   topology.unresolved_faces =
-      labelling.undecided_faces(certain, faces, kListed - topology.unresolved.size());
+      labelling.undecided_faces(certain, faces, kListedUnresolved - topology.unresolved.size());
   for (const Box& face : faces) topology.unresolved.push_back({face, field.value(centre(face))});
   topology.certified = topology.unresolved_cells == 0 && topology.unresolved_faces == 0;
 
   // For rendering, an unresolved cell belongs to a neighbour that it may belong to (the largest).
   for (bool changed = topology.unresolved_cells > 0; changed;) {
     changed = false;
-    labelling.for_each_possible([&](std::uint32_t a, std::uint32_t b) {
+    for (const auto& [a, b] : undecided.joins) {
       for (const auto& [cell, other] : {std::pair{a, b}, std::pair{b, a}}) {
-        if (!unresolved[cell] || id[other] >= id[cell]) continue;
+        if (!undecided.is_cell[cell] || id[other] >= id[cell]) continue;
         id[cell] = id[other];
         changed = true;
       }
-    });
+    }
   }
   labelling.write(id);
 }

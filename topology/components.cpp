@@ -134,6 +134,7 @@ std::vector<bool> kept_components(const KeepRule& rule, const std::vector<Compon
         kept[i] = components[i].volume_hi >= rule.volume;
       break;
     case KeepRule::Kind::kTouching: {
+      if (!octree.box.intersects(rule.point)) break;
       const std::uint32_t id = octree.nodes[octree.locate(rule.point).node].component;
       if (id != kNoComponent) kept[id] = true;
       break;

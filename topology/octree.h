@@ -19,6 +19,9 @@ enum class Content : std::uint8_t {
   kUndecided = 3,  // nothing
 };
 
+// `reserved` of a leaf during a build: what is undecided there stays so however it is divided.
+inline constexpr std::uint8_t kNotToBeDivided = 1;
+
 // Component of a leaf that holds no part of S, and of inner nodes.
 inline constexpr std::uint32_t kNoComponent = 0xffffffffu;
 
@@ -28,7 +31,7 @@ struct OctreeNode {
   std::uint32_t component = kNoComponent;
   std::uint16_t faces = 0;    // two bits of Content a face; see face_content
   std::uint8_t content = 0;   // Content of the leaf
-  std::uint8_t reserved = 0;  // 0 but in coarsened octrees: see coarsen.h
+  std::uint8_t reserved = 0;  // 0 but during a build, and in coarsened octrees: see coarsen.h
 
   bool is_leaf() const { return first_child == 0; }
   Content cell_content() const { return static_cast<Content>(content); }

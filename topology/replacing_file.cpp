@@ -3,13 +3,17 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace morsel::topology {
@@ -45,6 +49,49 @@ bool synchronise(const fs::path& path, int flags) {
   return done;
 }
 
+// The name before a process' number and the one after it, in those of temporary files.
+struct TemporaryName {
+  std::string before, after;
+  explicit TemporaryName(const fs::path& target)
+      : before(fmt::format(".{}.", target.stem().string())), after(target.extension().string()) {}
+  std::string of(pid_t process, unsigned serial) const {
+    return fmt::format("{}{}.{}{}", before, process, serial, after);
+  }
+  // The process that a file of this name belongs to; 0: it is none of these.
+  pid_t process_of(std::string_view name) const {
+    if (name.size() < before.size() + after.size() || !name.starts_with(before) ||
+        !name.ends_with(after))
+      return 0;
+    name.remove_prefix(before.size());
+    name.remove_suffix(after.size());
+    const char* const end = name.data() + name.size();
+    pid_t process = 0;
+    unsigned serial = 0;
+    const auto [dot, bad_process] = std::from_chars(name.data(), end, process);
+    if (bad_process != std::errc() || process <= 0 || dot == end || *dot != '.') return 0;
+    const auto [last, bad_serial] = std::from_chars(dot + 1, end, serial);
+    return bad_serial == std::errc() && last == end ? process : 0;
+  }
+};
+
+// Takes away what programs that were killed have left of earlier writes of `target`. Whoever writes
+// still must not lose its file: the process must be gone and, since it may be one of another
+// machine or container, whose numbers say nothing here, the file must have rested for a while.
+void remove_leftovers(const fs::path& target) {
+  const TemporaryName names(target);
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const pid_t process = names.process_of(entry->path().filename().native());
+    if (process == 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    if (!entry->is_regular_file(ignored)) continue;
+    const auto written = entry->last_write_time(ignored);
+    if (ignored || fs::file_time_type::clock::now() - written < kLeftoverAge) continue;
+    fs::remove(entry->path(), ignored);
+  }
+}
+
 }  // namespace
 
 void require_replaceable(const fs::path& file) {
@@ -62,9 +109,9 @@ ReplacingFile::ReplacingFile(const fs::path& file) : named_(file) {
   require_replaceable(file);
   target_ = followed(file);
   static std::atomic<unsigned> serial{0};
+  remove_leftovers(target_);
   temporary_ = target_;
-  temporary_.replace_filename(fmt::format(".{}.{}.{}{}", target_.stem().string(), ::getpid(),
-                                          serial++, target_.extension().string()));
+  temporary_.replace_filename(TemporaryName(target_).of(::getpid(), serial++));
 }
 
 ReplacingFile::~ReplacingFile() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 
 namespace morsel::topology {
@@ -10,6 +11,10 @@ namespace morsel::topology {
 // regular file (a device, a pipe, a socket: renaming over one would destroy it). To be called
 // before hours of work whose result goes there.
 void require_replaceable(const std::filesystem::path& file);
+
+// A program that is killed leaves its temporary file behind. The next write of the same name
+// removes it if that process is gone and the file has not been written to for so long.
+inline constexpr std::chrono::minutes kLeftoverAge{10};
 
 // A file that appears under its name only when it is complete: write to temporary_path(), which is
 // in the same folder and has the same extension, then commit(). Without commit() the destructor

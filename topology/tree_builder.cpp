@@ -11,6 +11,7 @@
 #include "topology/adjacency.h"
 #include "topology/cascade.h"
 #include "topology/checkpoint.h"
+#include "topology/vanishing.h"
 
 namespace morsel::topology {
 namespace {
@@ -24,6 +25,13 @@ constexpr int kBoundedDepth = 10;
 
 bool may_hold_surface(Content content) {
   return content == Content::kConnected || content == Content::kUndecided;
+}
+
+bool has_undecided_face(const OctreeNode& node) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      if (node.face_content(axis, side) == Content::kUndecided) return true;
+  return false;
 }
 
 OctreeNode leaf_without_surface(Content content) {
@@ -43,16 +51,15 @@ void TreeBuilder::report(double volume) {
   execution_.progress(done_, "labelling");
 }
 
-void TreeBuilder::charge(const Tree& tree, std::size_t nodes_before) {
+void TreeBuilder::charge(std::uint64_t nodes) {
   // Each node is there twice when the octree is put together.
   constexpr std::uint64_t kEach = 2 * sizeof(OctreeNode);
-  const std::uint64_t added = tree.nodes.size() - nodes_before;
-  const std::uint64_t nodes = nodes_.fetch_add(added, std::memory_order_relaxed) + added;
-  if (execution_.max_bytes != 0 && nodes * kEach > execution_.max_bytes)
+  const std::uint64_t all = nodes_.fetch_add(nodes, std::memory_order_relaxed) + nodes;
+  if (execution_.max_bytes != 0 && all * kEach > execution_.max_bytes)
     throw MemoryLimit(fmt::format(
         "the octree has reached {} nodes, which is as many as {} MiB allow: allow more memory, a "
         "smaller box or a lower max_depth",
-        nodes, execution_.max_bytes >> 20));
+        all, execution_.max_bytes >> 20));
 }
 
 bool TreeBuilder::must_divide(Content content, int depth) const {
@@ -75,14 +82,18 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
   local.child_models(cell, kAllChildren, batch);
   classify_batch(batch, kAllChildren, content);
   models_.fetch_add(8, std::memory_order_relaxed);
+  charge(8);
   const auto first = static_cast<std::uint32_t>(nodes.size());
   nodes[index] = OctreeNode{};
   nodes[index].first_child = first;
   nodes[index].content = static_cast<std::uint8_t>(Content::kUndecided);
   nodes.resize(first + 8);
-  unsigned divided = 0, surface = 0;
+  unsigned divided = 0, surface = 0, final = 0;
   for (unsigned i = 0; i < 8; ++i) {
-    if (must_divide(content.cell[i], depth + 1))
+    if (content.cell[i] == Content::kUndecided && depth + 1 >= options_.min_depth &&
+        vanishes_along_edge(local, batch[static_cast<int>(i)]))
+      final |= 1u << i;
+    if (must_divide(content.cell[i], depth + 1) && (final >> i & 1u) == 0)
       divided |= 1u << i;
     else if (may_hold_surface(content.cell[i]))
       surface |= 1u << i;
@@ -96,6 +107,11 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
     } else if ((surface >> i) & 1u) {
       nodes[first + i].content = static_cast<std::uint8_t>(content.cell[i]);
       nodes[first + i].faces = content.faces[i];
+      const bool faces_known =
+          content.cell[i] == Content::kUndecided || !has_undecided_face(nodes[first + i]);
+      if (final >> i & 1u ||
+          (!faces_known && vanishes_along_edge(local, batch[static_cast<int>(i)])))
+        nodes[first + i].reserved = kNotToBeDivided;
     } else {
       nodes[first + i] = leaf_without_surface(content.cell[i]);
     }
@@ -107,6 +123,7 @@ void TreeBuilder::divide(const ScalarField& local, const Box& cell, int depth,
                   [&](const OctreeNode& n) { return n.content == one.content; })) {
     nodes[index] = leaf_without_surface(one.cell_content());
     nodes.resize(first);
+    nodes_.fetch_sub(8, std::memory_order_relaxed);
   }
 }
 
@@ -115,7 +132,7 @@ void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
   if (execution_.checkpoint != nullptr) {
     tree.nodes = execution_.checkpoint->take(index);
     if (!tree.nodes.empty()) {
-      charge(tree, 0);
+      charge(tree.nodes.size());
       report(std::ldexp(1.0, -3 * tree.depth));
       return;
     }
@@ -125,6 +142,7 @@ void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
   const LocalModel model = local->model(tree.box);
   const Content content = classify(model);
   tree.nodes.assign(1, leaf_without_surface(content));
+  charge(1);
   if (must_divide(content, tree.depth)) {
     divide(*local, tree.box, tree.depth, tree.nodes, 0);
     resolve_inside(tree);
@@ -132,7 +150,6 @@ void TreeBuilder::grow(std::uint32_t index, Tree& tree) {
   } else if (may_hold_surface(content)) {
     classify_faces(model, tree.nodes[0]);
   }
-  charge(tree, 0);
   if (execution_.checkpoint != nullptr &&
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count() >=
           execution_.checkpoint_after)
@@ -219,11 +236,8 @@ void TreeBuilder::resolve_between(Forest& forest) {
     }
     tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t t) {
       if (leaves[t].empty()) return;
-      Tree& tree = forest.trees[t];
-      const std::size_t before = tree.nodes.size();
-      divide_leaves(tree, leaves[t]);
-      resolve_inside(tree);
-      charge(tree, std::min(before, tree.nodes.size()));
+      divide_leaves(forest.trees[t], leaves[t]);
+      resolve_inside(forest.trees[t]);
     });
   }
 }

@@ -21,8 +21,8 @@ class TreeBuilder {
               const Execution& execution)
       : field_(field), box_(box), options_(options), execution_(execution) {}
 
-  // The whole octree: nothing is undecided above the depth limit, neither cells nor faces. Throws
-  // Cancelled, MemoryLimit and NotFinite.
+  // The whole octree: nothing is undecided above the depth limit, neither cells nor faces, but
+  // where division can't help (see vanishing.h). Throws Cancelled, MemoryLimit and NotFinite.
   Forest build();
 
   std::uint64_t models() const { return models_; }
@@ -45,7 +45,8 @@ class TreeBuilder {
   // Throws NotFinite where F, or all bounds of it, are not, given the error bound of the cell's
   // model.
   void check_finite(const Box& cell, int depth, double value_error) const;
-  void charge(const Tree& tree, std::size_t nodes_before);
+  // Counts nodes that are added; throws MemoryLimit.
+  void charge(std::uint64_t nodes);
   void report(double volume);
 
   const ScalarField& field_;

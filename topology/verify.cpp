@@ -13,6 +13,7 @@
 
 #include "topology/bound_solid.h"
 #include "topology/cascade.h"
+#include "topology/component_bounds.h"
 #include "topology/morse/engine.h"
 #include "topology/tree_labels.h"
 
@@ -42,6 +43,7 @@ class Verifier {
       : field_(field), topology_(topology), options_(options), execution_(execution) {}
 
   VerifyReport run() {
+    for (const Component& c : topology_.components) all_cells_ += static_cast<double>(c.cells);
     check_labels();
     draw();
     prove_all();
@@ -77,8 +79,26 @@ class Verifier {
         labels.undecided_faces.begin(), labels.undecided_faces.end(), [&](const auto& face) {
           return tree.nodes[face[0]].component != tree.nodes[face[1]].component;
         }));
-    std::vector<Component> rows(topology_.components.size());
-    // A piece is a component, and the other way about.
+    const std::vector<std::uint32_t> component = compare_pieces(tree, labels, may_be_parted);
+    if (cells != topology_.unresolved_cells || (by_morse ? 0 : faces) != topology_.unresolved_faces)
+      fail(fmt::format("{} cells and {} faces are undecided, not {} and {}", cells, faces,
+                       topology_.unresolved_cells, topology_.unresolved_faces));
+    if (topology_.certified != (!by_morse && cells + faces == 0))
+      fail(fmt::format("says certified: {}", topology_.certified));
+    // Where a leaf's own face does not show it, smaller pieces of the boundary may.
+    const bool touches = labels.touches && place_where_cut(field_, topology_.box, execution_);
+    if (topology_.touches_box.has_value() != touches)
+      fail("whether the solid may reach the box's boundary is said wrongly");
+    if (report_.failure_count > 0) return;  // what follows would be of another labelling
+    if (by_morse)
+      check_sums(labels, component);
+    else
+      check_bounds(labels, component, touches);
+  }
+
+  // A piece is a component, and the other way about. Gives the component of every piece.
+  std::vector<std::uint32_t> compare_pieces(const Tree& tree, const TreeLabels& labels,
+                                            bool may_be_parted) {
     std::vector<std::uint32_t> component(labels.pieces.size(), kNoComponent);
     std::vector<std::uint32_t> piece(topology_.components.size(), kNoComponent);
     for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
@@ -95,43 +115,67 @@ class Verifier {
         continue;
       }
       if (piece[c] == kNoComponent) piece[c] = p;
-      if (component[p] == kNoComponent) {
-        component[p] = c;
-        merge(rows[c], labels.pieces[p]);
-      }
+      if (component[p] == kNoComponent) component[p] = c;
       if (piece[c] != p && !may_be_parted)
         fail(fmt::format("node {}: component {} is in two pieces", n, c));
       if (component[p] != c)
         fail(fmt::format("node {}: components {} and {} are one", n, component[p], c));
     }
-    for (std::size_t c = 0; c < piece.size(); ++c) {
-      if (piece[c] == kNoComponent) {
-        if (!may_be_parted) fail(fmt::format("component {} has no leaf", c));
-        continue;
-      }
-      check_row(c, rows[c]);
-    }
-    if (cells != topology_.unresolved_cells || (by_morse ? 0 : faces) != topology_.unresolved_faces)
-      fail(fmt::format("{} cells and {} faces are undecided, not {} and {}", cells, faces,
-                       topology_.unresolved_cells, topology_.unresolved_faces));
-    if (topology_.certified != (!by_morse && cells + faces == 0))
-      fail(fmt::format("says certified: {}", topology_.certified));
+    if (!may_be_parted)
+      for (std::size_t c = 0; c < piece.size(); ++c)
+        if (piece[c] == kNoComponent) fail(fmt::format("component {} has no leaf", c));
+    return component;
+  }
+
+  static std::vector<Component> sums(const TreeLabels& labels,
+                                     const std::vector<std::uint32_t>& component,
+                                     std::size_t count) {
+    std::vector<Component> rows(count);
+    for (std::size_t p = 0; p < labels.pieces.size(); ++p)
+      if (component[p] != kNoComponent) merge(rows[component[p]], labels.pieces[p]);
+    return rows;
+  }
+
+  // The Morse engine's table: plain sums; a component of it may have no cell.
+  void check_sums(const TreeLabels& labels, const std::vector<std::uint32_t>& component) {
+    const std::vector<Component> rows = sums(labels, component, topology_.components.size());
+    for (std::size_t c = 0; c < rows.size(); ++c)
+      if (rows[c].cells > 0) check_row(c, rows[c]);
     const std::uint64_t count = topology_.components.size();
     if (topology_.components_lo > count ||
-        (topology_.certified && topology_.components_lo != count) ||
         (topology_.components_hi && *topology_.components_hi < count))
       fail("the bounds of the number of components do not hold the number");
-    // Where a leaf's own face does not show it, smaller pieces of the boundary may.
-    const bool touches = labels.touches && place_where_cut(field_, topology_.box, execution_);
-    if (topology_.touches_box.has_value() != touches)
-      fail("whether the solid may reach the box's boundary is said wrongly");
+  }
+
+  // What the certified engine says of the count and of the components.
+  void check_bounds(const TreeLabels& labels, const std::vector<std::uint32_t>& component,
+                    bool touches) {
+    std::vector<Component> rows = sums(labels, component, topology_.components.size());
+    const Undecided undecided{labels.unresolved, labels.unresolved_cells, labels.possible};
+    const CountBounds bounds = bound_components(field_, undecided, UnionFind(labels.pieces.size()),
+                                                component, touches, rows);
+    for (std::size_t c = 0; c < rows.size(); ++c) check_row(c, rows[c]);
+    const auto text = [](std::uint64_t lo, const std::optional<std::uint64_t>& hi) {
+      return fmt::format("[{}, {}]", lo, hi ? fmt::to_string(*hi) : "null");
+    };
+    if (bounds.lo != topology_.components_lo || bounds.hi != topology_.components_hi)
+      fail(fmt::format("the number of components has the bounds {}, not {}",
+                       text(bounds.lo, bounds.hi),
+                       text(topology_.components_lo, topology_.components_hi)));
+    const std::uint64_t all = topology_.unresolved_cells + topology_.unresolved_faces;
+    bool listed = topology_.unresolved.size() == std::min<std::uint64_t>(all, kListedUnresolved);
+    for (std::size_t i = 0; listed && i < undecided.cells.size() && i < kListedUnresolved; ++i) {
+      const Box &box = topology_.unresolved[i].box, &cell = undecided.cells[i].second;
+      listed = box.min == cell.min && box.max == cell.max;
+    }
+    if (!listed) fail("the list of undecided places is not that of the octree");
   }
 
   void check_row(std::size_t c, const Component& leaves) {
     const Component& row = topology_.components[c];
     // Sums of so many volumes, each rounded outward.
-    const double unit =
-        4.0 * std::numeric_limits<double>::epsilon() * (static_cast<double>(leaves.cells) + 1.0);
+    const double unit = 4.0 * std::numeric_limits<double>::epsilon() *
+                        (4.0 + all_cells_ + static_cast<double>(topology_.unresolved_cells));
     const auto near = [&](double a, double b) { return std::abs(a - b) <= unit * std::abs(b); };
     if (row.cells != leaves.cells || row.bounds.min != leaves.bounds.min ||
         row.bounds.max != leaves.bounds.max || !near(row.volume_lo, leaves.volume_lo) ||
@@ -310,6 +354,7 @@ class Verifier {
   std::mutex mutex_;
   VerifyReport report_;
   std::vector<bool> drawn_;
+  double all_cells_ = 0.0;  // decided ones that hold solid
 };
 
 }  // namespace

@@ -31,10 +31,10 @@ struct VerifyReport {
 
 // Proves a labelled octree against its field anew. From the octree alone, for all leaves: that
 // cells which a face joins are of one component and components are in one piece, that the table's
-// cells, volumes and bounds are those of the leaves, that the counts and what is said to be
-// certified follow. From the field, for the leaves drawn: that each cell and face is what the
-// octree says, by single models and the scalar cascade (a cell proved empty or full as a whole may
-// need its parts to be looked at). Throws Cancelled.
+// cells, volumes and bounds are those of the leaves, that the counts with their bounds, what is
+// said to be certified and the list of undecided cells follow. From the field, for the leaves
+// drawn: that each cell and face is what the octree says, by single models and the scalar cascade
+// (a cell proved empty or full as a whole may need its parts to be looked at). Throws Cancelled.
 VerifyReport verify(const ScalarField& field, const Topology& topology,
                     const VerifyOptions& options, const Execution& execution = {});
 

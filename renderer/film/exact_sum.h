@@ -14,6 +14,9 @@ namespace morsel::render {
 
 __extension__ typedef __int128 Int128;
 
+// The most samples that a scene may ask for; sums of twice that do not overflow.
+inline constexpr std::uint32_t kMostSamples = 1u << 20;
+
 // A colour, of which samples are added: steps of 2^-64, each sample clamped to +-2^40, so that 2^20
 // samples (the most that a scene may ask for) and more cannot overflow.
 struct ColorSum {
@@ -26,6 +29,11 @@ struct ColorSum {
   }
   void add(const ColorSum& other) {
     for (int i = 0; i < 3; ++i) channel[i] += other.channel[i];
+  }
+  // Whether so many samples can have this sum.
+  bool is_sum_of(std::uint32_t samples) const {
+    const Int128 most = samples * (Int128{1} << 104);
+    return std::all_of(channel, channel + 3, [&](Int128 c) { return c >= -most && c <= most; });
   }
   double value(int i) const { return static_cast<double>(channel[i]) * 0x1p-64; }
   V3d mean(double count) const { return {value(0) / count, value(1) / count, value(2) / count}; }
@@ -45,6 +53,9 @@ struct SquareSum {
   void add(const SquareSum& other) {
     for (int i = 0; i < 3; ++i) raise(channel[i], other.channel[i]);
   }
+  bool is_sum_of_squares() const {
+    return std::all_of(channel, channel + 3, [&](Int128 c) { return c >= 0 && c <= kMost; });
+  }
   bool saturated(int i) const { return channel[i] >= kMost; }
   double value(int i) const { return static_cast<double>(channel[i]) * 0x1p-64; }
 
@@ -53,12 +64,16 @@ struct SquareSum {
   static void raise(Int128& sum, Int128 by) { sum = std::min(sum + std::min(by, kMost), kMost); }
 };
 
-// Numbers of magnitude below 2^10: steps of 2^-32.
+// Numbers of magnitude below 2^9: steps of 2^-32.
 struct SmallSum {
   std::int64_t total = 0;
 
   void add(float x) { total += static_cast<std::int64_t>(double{x} * 0x1p32); }
   void add(const SmallSum& other) { total += other.total; }
+  bool is_sum_of(std::uint32_t samples) const {
+    const std::int64_t most = samples * (std::int64_t{1} << 41);
+    return total >= -most && total <= most;
+  }
   float mean(double count) const {
     return static_cast<float>(static_cast<double>(total) * 0x1p-32 / count);
   }

@@ -69,6 +69,17 @@ TileSums::TileSums(const FilmLayout& layout, const Crop& w) : window(w) {
   if (layout.mattes) mattes.resize(n * kMattes);
 }
 
+void TileSums::require_possible(std::uint32_t most) const {
+  for (const PixelAccumulator& pixel : pixels)
+    if (!pixel.is_possible(most))
+      throw std::runtime_error(
+          fmt::format("a pixel has sums that no {} samples have", pixel.samples()));
+  for (const ColorSum& group : groups)
+    if (!group.is_sum_of(most))
+      throw std::runtime_error(
+          fmt::format("a light group has a sum that no {} samples have", most));
+}
+
 void TileSums::add(const TileSums& other) {
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i].add(other.pixels[i]);
   for (std::size_t i = 0; i < groups.size(); ++i) groups[i].add(other.groups[i]);

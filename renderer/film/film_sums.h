@@ -66,6 +66,9 @@ struct TileSums {
            static_cast<std::size_t>(x - window.x0);
   }
   void add(const TileSums& other);  // of the same window and layout, other samples
+  // For what comes from a file: throws std::runtime_error when up to `most` samples a pixel cannot
+  // have added up to this. Nothing overflows then when more are added.
+  void require_possible(std::uint32_t most) const;
 };
 
 // What has been sampled of an image, from which the rest of the sampling follows: whoever goes on

@@ -49,6 +49,19 @@ void PixelAccumulator::add(const PixelAccumulator& other) {
   }
 }
 
+bool PixelAccumulator::is_possible(std::uint32_t most) const {
+  const auto is_sum = [&](const SmallSum& sum) { return sum.is_sum_of(samples_); };
+  const std::int64_t most_steps = std::int64_t{samples_} << 40;
+  const auto is_finite = [](float x) { return std::isfinite(x); };
+  return samples_ <= most && color_.is_sum_of(samples_) && squares_.is_sum_of_squares() &&
+         std::all_of(albedo_, albedo_ + 3, is_sum) && std::all_of(normal_, normal_ + 3, is_sum) &&
+         is_sum(alpha_) && steps_ >= 0 && steps_ <= most_steps && !std::isnan(nearest_) &&
+         is_finite(depth_) && is_finite(component_) &&
+         std::all_of(position_, position_ + 3, is_finite) &&
+         std::all_of(geometric_normal_, geometric_normal_ + 3, is_finite) &&
+         is_finite(brightest_) && brightest_ >= 0.0f;
+}
+
 bool PixelAccumulator::firefly() const {
   const V3f sum(color_.mean(1.0));
   return samples_ >= 16 && brightest_ > 0.5f * luminance(sum);

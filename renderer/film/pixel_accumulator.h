@@ -21,6 +21,10 @@ class PixelAccumulator {
   // Samples with other indices.
   void add(const PixelAccumulator& other);
 
+  // Whether up to `most` samples can have added up to this: nothing overflows when more are added,
+  // and what comes of it is finite. To be asked of bytes that come from a file.
+  bool is_possible(std::uint32_t most) const;
+
   std::uint32_t samples() const { return samples_; }
   Pixel result() const;
   // Luminance of the brightest sample, and whether it alone is more than half of the pixel (of 16

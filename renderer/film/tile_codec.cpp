@@ -89,6 +89,7 @@ std::span<const std::byte> read_tile(std::span<const std::byte> bytes, TileSums&
   in.array(tile.pixels);
   in.array(tile.needed);
   in.array(tile.groups);
+  tile.require_possible(kMostSamples);
   for (cryptomatte::Accumulator& matte : tile.mattes)
     for (std::uint64_t n = in.count(8); n > 0; --n) {
       const std::uint64_t pair = in.number();

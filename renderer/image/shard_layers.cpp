@@ -155,6 +155,10 @@ class Reader {
       const std::vector<ExrWords> planes = read_planes(names);
       gather<T>(*shard_.sums, planes, element);
     });
+    // All shards together have no more samples than a scene may ask for.
+    const std::uint32_t most = shard_.sums->shard().range(kMostSamples).size() + 1;
+    for (int i = 0; i < shard_.sums->tile_count(); ++i)
+      shard_.sums->with_tile(i, [&](const TileSums& tile) { tile.require_possible(most); });
     if (!layout.mattes) return;
     for (std::size_t m = 0; m < kMattes; ++m)
       for (std::size_t k = 0; has(matte_name(m, k, "id")); ++k) {

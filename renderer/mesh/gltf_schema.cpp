@@ -177,6 +177,40 @@ void check(const json& value, const std::string& place, std::string_view rest, T
   if (found != value.end()) check(*found, fmt::format("{}/{}", place, key), rest, type);
 }
 
+// What an image says of where its bytes are, followed from one index to the next.
+double number_in(const json& object, const char* key, double if_absent) {
+  return object.is_object() ? object.value(key, if_absent) : if_absent;
+}
+const json& element_of(const json& root, const char* array, const json& object, const char* key,
+                       const std::string& place) {
+  const double index = object[key].get<double>();
+  const auto found = root.find(array);
+  const std::size_t count = found == root.end() ? 0 : found->size();
+  if (!(index < static_cast<double>(count)))
+    throw GltfError(
+        fmt::format("{}/{} is {}, but there are {} {}", place, key, index, count, array));
+  return (*found)[static_cast<std::size_t>(index)];
+}
+
+// tinygltf copies the bytes of an image that lies in a buffer without a look at where that ends.
+void check_images_in_buffers(const json& root) {
+  const auto images = root.find("images");
+  if (images == root.end()) return;
+  for (std::size_t i = 0; i < images->size(); ++i) {
+    const json& image = (*images)[i];
+    if (!image.contains("bufferView")) continue;
+    const std::string place = fmt::format("/images/{}", i);
+    const json& view = element_of(root, "bufferViews", image, "bufferView", place);
+    if (!view.is_object() || !view.contains("buffer"))
+      throw GltfError(place + " is in a buffer view without a buffer");
+    const json& buffer = element_of(root, "buffers", view, "buffer", place + "/bufferView");
+    const double end = number_in(view, "byteOffset", 0.0) + number_in(view, "byteLength", 0.0);
+    const double size = number_in(buffer, "byteLength", 0.0);
+    if (end > size)
+      throw GltfError(fmt::format("{} ends at byte {} of a buffer that has {}", place, end, size));
+  }
+}
+
 }  // namespace
 
 void check_gltf_types(const std::string& text) {
@@ -189,6 +223,7 @@ void check_gltf_types(const std::string& text) {
   for (const std::string_view texture : kTextures)
     for (const Rule& rule : kTextureRules)
       check(root, "", std::string(texture).append(rule.place), rule.type);
+  check_images_in_buffers(root);
 }
 
 }  // namespace morsel::render

@@ -12,6 +12,7 @@
 #include "renderer/mesh/model_readers.h"
 #include "renderer/mesh/normals.h"
 #include "renderer/mesh/obj_check.h"
+#include "renderer/mesh/ply_check.h"
 #include "renderer/mesh/readers.h"
 
 namespace morsel::render {
@@ -121,12 +122,14 @@ Model load_model(const fs::path& file, const std::function<void(const std::strin
   const std::string extension = check_file(file);
   if (is_gltf(extension)) return read_gltf_model(file, tell);
   if (extension == ".obj") warn_of_missing_materials(file, check_obj(file), tell);
+  if (extension == ".ply") check_ply(file);
   return read_model_with_assimp(file, tell);
 }
 
 TriangleMesh load_mesh(const fs::path& file) {
   const std::string extension = check_file(file);
   if (extension == ".obj") check_obj(file);
+  if (extension == ".ply") check_ply(file);
   TriangleMesh mesh = is_gltf(extension) ? read_gltf(file) : read_with_assimp(file);
   validate_mesh(mesh, file.string());
   normalise_normals(mesh);

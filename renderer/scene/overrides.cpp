@@ -49,6 +49,15 @@ std::size_t find_element(const json& array, const std::string& key, const Overri
                          names.empty() ? "" : "; names: " + params::join(names), change.source));
 }
 
+bool is_utf8(const std::string& text) {
+  try {
+    json(text).dump();
+  } catch (const json::type_error&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Override parse_override(const std::string& text) {
@@ -56,6 +65,10 @@ Override parse_override(const std::string& text) {
   if (equals == std::string::npos || equals == 0)
     throw params::InputError(
         fmt::format("--set {}: must be path=value, as in --set render.spp=16", text));
+  // What is no text cannot be named in messages, nor be part of a scene, which is JSON.
+  if (!is_utf8(text))
+    throw params::InputError("--set: must be UTF-8: " +
+                             json(text).dump(-1, ' ', false, json::error_handler_t::replace));
   Override change;
   change.path = text.substr(0, equals);
   change.source = "--set " + text;

@@ -127,10 +127,9 @@ json scene_identity(const std::filesystem::path& file, const std::vector<Overrid
   const SceneDocument document(file, overrides);
   json scene = document.root();
   for (const char* key : {"description", "$schema"}) scene.erase(key);
-  if (scene.contains("render"))
-    for (const char* key : {"exposure", "texture_memory", "denoise"}) scene["render"].erase(key);
-  scene["render"].erase("spp");
-  if (with_spp) scene["render"]["spp"] = loaded.scene.settings.spp;
+  json& render = scene.emplace("render", json::object()).first.value();
+  for (const char* key : {"exposure", "texture_memory", "denoise", "spp"}) render.erase(key);
+  if (with_spp) render["spp"] = loaded.scene.settings.spp;
   if (scene.contains("geometries"))
     for (json& geometry : scene["geometries"]) geometry.erase("cache");
 

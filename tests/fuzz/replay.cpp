@@ -84,10 +84,14 @@ Bytes damaged(Bytes bytes, const std::vector<Bytes>& inputs, std::mt19937& rando
 
 int main(int argc, char** argv) {
   double seconds = 0.0;
+  std::uint64_t most = ~std::uint64_t{0};
   int first = 1;
-  if (argc > 2 && std::string(argv[1]) == "-s") seconds = std::atof(argv[2]), first = 3;
+  for (; first + 1 < argc && argv[first][0] == '-'; first += 2) {
+    if (std::string(argv[first]) == "-s") seconds = std::atof(argv[first + 1]);
+    if (std::string(argv[first]) == "-n") most = std::strtoull(argv[first + 1], nullptr, 10);
+  }
   if (first >= argc) {
-    std::fprintf(stderr, "Usage: %s [-s SECONDS] FILE...\n", argv[0]);
+    std::fprintf(stderr, "Usage: %s [-s SECONDS] [-n INPUTS] FILE...\n", argv[0]);
     return 2;
   }
   for (const int signal : {SIGABRT, SIGSEGV, SIGFPE, SIGBUS, SIGILL})
@@ -107,7 +111,7 @@ int main(int argc, char** argv) {
   const auto start = std::chrono::steady_clock::now();
   for (;;) {
     const auto now = std::chrono::steady_clock::now();
-    if (std::chrono::duration<double>(now - start).count() >= seconds) break;
+    if (runs >= most || std::chrono::duration<double>(now - start).count() >= seconds) break;
     for (const Bytes& input : inputs) run(damaged(input, inputs, random)), ++runs;
   }
   std::printf("%llu inputs\n", static_cast<unsigned long long>(runs));

@@ -2,14 +2,11 @@
 // A cache file. Inputs that begin with the file's magic are taken as they are; all others are the
 // sections of one, so that checksums do not keep the fuzzer out: two lengths of 16 bits, metadata
 // and components of those lengths, the packed octree.
-#include <unistd.h>
-
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
-#include <string>
 
+#include "tests/fuzz/scratch.h"
 #include "tests/fuzz/target.h"
 #include "topology/cache_file.h"
 #include "topology/coarsen.h"
@@ -20,41 +17,18 @@ namespace {
 using morsel::test::require;
 using namespace morsel::topology;
 
-// One file for all inputs, in memory where that is possible.
-const std::filesystem::path& scratch() {
-  static const std::filesystem::path path = [] {
-    const std::filesystem::path memory = "/dev/shm";
-    const auto folder =
-        std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path();
-    return folder / ("morsel_fuzz_" + std::to_string(::getpid()) + ".topo");
-  }();
-  return path;
-}
+std::filesystem::path scratch() { return morsel::test::scratch_folder() / "cache.topo"; }
 
-struct RemoveAtEnd {
-  ~RemoveAtEnd() {
-    std::error_code ignored;
-    std::filesystem::remove(scratch(), ignored);
-  }
-};
-
-void write_sections(std::span<const std::byte> in) {
-  std::uint16_t lengths[2] = {0, 0};
-  std::memcpy(lengths, in.data(), std::min(in.size(), sizeof lengths));
-  in = in.subspan(std::min(in.size(), sizeof lengths));
-  const auto take = [&](std::size_t count) {
-    const auto part = in.first(std::min(in.size(), count));
-    in = in.subspan(part.size());
-    return part;
-  };
+void write_sections(morsel::test::Input in) {
   constexpr std::uint32_t kComponentBytes = 112;
-  const auto meta = take(lengths[0]);
-  const auto components = take(lengths[1] / kComponentBytes * kComponentBytes);
+  const std::uint32_t meta_bytes = in.word(), component_bytes = in.word();
+  const auto meta = in.take(meta_bytes);
+  const auto components = in.take(component_bytes / kComponentBytes * kComponentBytes);
   SectionWriter writer(scratch());
   writer.add("meta", meta, 1, true);
   writer.add("components", components.first(components.size() / kComponentBytes * kComponentBytes),
              kComponentBytes, true);
-  writer.add("octree.packed", in, 1, true);
+  writer.add("octree.packed", in.rest(), 1, true);
   writer.publish();
 }
 
@@ -81,13 +55,11 @@ void use(const TopologyCache& cache) {
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const RemoveAtEnd remove_at_end;
   try {
     if (size >= 8 && std::memcmp(data, kTopologyFormat.magic, 8) == 0)
-      std::ofstream(scratch(), std::ios::binary)
-          .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+      morsel::test::write_file(scratch(), std::as_bytes(std::span(data, size)));
     else
-      write_sections(std::as_bytes(std::span(data, size)));
+      write_sections({data, size});
     use(read_cache(scratch()));
   } catch (const CacheError&) {
   }

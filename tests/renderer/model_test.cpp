@@ -172,6 +172,36 @@ TEST_F(ModelTest, PunctualLights) {
   EXPECT_NEAR((model.scene.distants[0].direction - V3f(0, -1, 0)).length(), 0.0f, 1e-6f);
 }
 
+// tinygltf alone reads beyond the buffer.
+TEST_F(ModelTest, ImagesAreWithinTheirBuffers) {
+  const auto message = [&](const auto& change) {
+    test::GltfFile file = textured({{"name", "m"}});
+    const int bytes =
+        file.add_accessor<std::uint8_t>({1, 2, 3, 4}, test::GltfFile::kByte, "SCALAR", 1);
+    file.json["images"] = {{{"bufferView", bytes}, {"mimeType", "image/png"}}};
+    change(file.json, file.json["bufferViews"][static_cast<std::size_t>(bytes)]);
+    try {
+      load(file.write_gltf(folder_));
+    } catch (const MeshError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message([](json&, json&) {}), "");
+  for (const auto& [error, what] :
+       {std::pair{message([](json&, json&view) { view["byteOffset"] = 100; }),
+                  "/images/0 ends at byte 104 of a buffer that has"},
+        {message([](json&, json&view) { view["byteLength"] = 1e300; }), "/images/0 ends at byte"},
+        {message([](json&, json&view) { view["buffer"] = 1; }),
+         "/images/0/bufferView/buffer is 1, but there are 1 buffers"},
+        {message([](json&, json&view) { view.erase("buffer"); }), "without a buffer"},
+        {message([](json&file, json&) { file["images"][0]["bufferView"] = 9; }),
+         "/images/0/bufferView is 9, but there are 3 bufferViews"}}) {
+    EXPECT_NE(error.find(what), std::string::npos) << error;
+    EXPECT_NE(error.find("mesh.gltf"), std::string::npos) << error;
+  }
+}
+
 TEST_F(ModelTest, SaysWhatIsWrongWithAFile) {
   const auto message = [&](const json& material, const auto& change) {
     test::GltfFile file = textured(material);

@@ -46,6 +46,15 @@ TEST(Overrides, PathsWithoutValueOrPartsAreRefused) {
   }
 }
 
+// A name in Latin-1, for one: it could not even be quoted in a message.
+TEST(Overrides, WhatIsNotUtf8IsRefused) {
+  for (const char* text : {"a.b=\xe9t\xe9.obj", "\xff=3"}) {
+    const std::string error = error_of([&] { parse_override(text); });
+    EXPECT_NE(error.find("must be UTF-8"), std::string::npos) << error;
+  }
+  EXPECT_EQ(parse_override("a.b=\xc3\xa9t\xc3\xa9.obj").value, json("\xc3\xa9t\xc3\xa9.obj"));
+}
+
 TEST(Overrides, ReachObjectsAndElementsByIndexAndByName) {
   EXPECT_EQ(applied(R"({"render": {"spp": 4}})", "render.spp=16")["render"]["spp"], 16);
   const char* list = R"({"g": [{"name": "a", "x": 1}, {"name": "b", "x": 2}]})";

@@ -292,6 +292,21 @@ TEST_F(CheckpointFile, DamageIsFound) {
   EXPECT_NE(error(bad, identity_).find("not a checkpoint of a render"), std::string::npos);
 }
 
+// Sums with right checksums that overflow when another sample is added.
+void forge(FilmSums& sums) {
+  sums.with_tile(0, [](TileSums& tile) {
+    std::memset(static_cast<void*>(tile.pixels.data()), 0x7f, sizeof tile.pixels[0]);
+  });
+}
+
+TEST_F(CheckpointFile, SumsThatNoSamplesHaveAreRefused) {
+  forge(*sums_);
+  write_checkpoint(file_, *sums_, {identity_, 1.0});
+  EXPECT_NE(error(file_, identity_).find("a pixel has sums that no 2139062143 samples have"),
+            std::string::npos)
+      << error(file_, identity_);
+}
+
 TEST(MergeShards, RefusesWhatDoesNotBelongTogether) {
   const TemporaryFolder folder;
   Scene scene;
@@ -311,6 +326,10 @@ TEST(MergeShards, RefusesWhatDoesNotBelongTogether) {
   Scene more = scene;
   more.settings.spp = 8;
   const auto longer = shard("longer.exr", 1, 2, "h", more);
+  const std::filesystem::path forged = folder / "forged.exr";
+  FilmSums impossible(FilmLayout(scene.settings, 0), {1, 2});
+  forge(impossible);
+  write_shard(forged, scene, {Film(scene.settings), {}, {}}, impossible, "h");
   const std::filesystem::path plain = folder / "plain.exr";
   write_exr(plain, scene, render(scene));
 
@@ -330,6 +349,7 @@ TEST(MergeShards, RefusesWhatDoesNotBelongTogether) {
            {changed, "is of another scene"},
            {thirds, "one of 3 shards"},
            {longer, "for 8 samples a pixel"},
+           {forged, "has sums that no"},
            {plain, "not a shard"},
            {folder / "gone.exr", "cannot read"}}) {
     EXPECT_NE(error(file).find(words), std::string::npos) << error(file);

@@ -5,6 +5,7 @@
 
 #include "hypertexture_geom/embree/geometry.h"
 #include "renderer/scene/load_scene.h"
+#include "renderer/scene/scene_identity.h"
 #include "renderer/scene/scene_json.h"
 #include "scene_files.h"
 #include "tests/temporary_folder.h"
@@ -40,6 +41,19 @@ class SceneLoaderTest : public ::testing::Test {
   TemporaryFolder folder_;
   std::vector<std::string> warnings_;
 };
+
+// What a checkpoint is compared by; a scene need not have a section "render".
+TEST_F(SceneLoaderTest, IdentityIsOfWhatDecidesThePixels) {
+  const auto identity_of = [&](const char* text, bool with_spp = false) {
+    const std::filesystem::path file = folder_.write("other.json", text);
+    return scene_identity(file, {}, load_scene(file, {}, options()), with_spp);
+  };
+  const json none = identity_of(R"({"morsel": 1})");
+  EXPECT_EQ(none, identity_of(R"({"morsel": 1, "render": {"spp": 4, "exposure": 1}})"));
+  EXPECT_NE(none, identity_of(R"({"morsel": 1, "render": {"max_depth": 2}})"));
+  EXPECT_NE(identity_of(R"({"morsel": 1})", true),
+            identity_of(R"({"morsel": 1, "render": {"spp": 4}})", true));
+}
 
 TEST_F(SceneLoaderTest, ReadsOneOfEverything) {
   const LoadedScene loaded = load();

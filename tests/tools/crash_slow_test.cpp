@@ -10,6 +10,7 @@
 
 #include "command_scene.h"
 #include "run_command.h"
+#include "small_disk.h"
 
 namespace morsel::test {
 namespace {
@@ -142,6 +143,44 @@ TEST_F(CrashTest, FullDisksKeepWhatWasThere) {
     EXPECT_EQ(read_text(folder_ / "a.exr"), exr) << limit;
     EXPECT_EQ(folder_.count_files(), 4u) << limit;  // scene, cache, EXR, PNG
   }
+}
+
+// A disk that has no room left, not only a file that may not grow.
+TEST_F(CrashTest, ADiskWithoutRoomKeepsWhatWasThere) {
+  const SmallDisk disk(folder_.path(), 4u << 20);
+  if (!disk.mounted()) GTEST_SKIP() << "mounting a file system takes root or user name spaces";
+  folder_.write("scene.json", kCommandScene);
+  ASSERT_EQ(run(kBuild).code, 0);
+  ASSERT_EQ(run(kRender).code, 0);
+  const std::string cache = read_text(folder_ / "a.topo"), png = read_text(folder_ / "a.png");
+  const std::string pixels = exr_pixels(folder_ / "a.exr");
+  std::vector<std::string> build = kBuild;
+  build.emplace_back("--force");
+  int failures = 0;
+  for (const std::size_t room : {0u, 4096u, 8192u, 16384u, 32768u}) {
+    disk.fill_but(room);
+    const auto expect_kept = [&](const CommandResult& result, const char* file) {
+      if (result.code != 0) {
+        EXPECT_EQ(result.code, 1) << room;
+        EXPECT_NE(result.err.find(file), std::string::npos) << result.err;
+        EXPECT_NE(result.err.find("No space left"), std::string::npos) << result.err;
+        ++failures;
+        EXPECT_TRUE(read_text(folder_ / "a.topo") == cache) << room;
+        // There may be room for the one picture and not for the other.
+        EXPECT_TRUE(exr_pixels(folder_ / "a.exr") == pixels) << room;
+        EXPECT_TRUE(read_text(folder_ / "a.png") == png) << room;
+      }
+      EXPECT_EQ(folder_.count_files(), 5u) << room;  // scene, cache, EXR, PNG, filler
+    };
+    expect_kept(run_morsel(build, here()), "a.topo");
+    if (failures == 0) break;  // there was room: what follows would tell nothing
+    expect_kept(run_morsel(kRender, here()), room < 32768 ? "a.exr" : "a.");
+  }
+  EXPECT_GE(failures, 4);
+  disk.clear();
+  EXPECT_EQ(run(build).code, 0);
+  EXPECT_EQ(run(kRender).code, 0);
+  EXPECT_TRUE(exr_pixels(folder_ / "a.exr") == pixels);
 }
 
 }  // namespace

@@ -280,8 +280,12 @@ TEST_F(RenderCommandTest, FoldersThatAreReadOnlyAreFoundFirst) {
   CommandOptions options;
   options.folder = folder_.path();
   options.unprivileged = true;
+  // Where "/" itself is closed to other users (a chroot made by root), they can run nothing.
+  constexpr int kCannotRun = 127;
+  const CommandResult help = run_morsel({"field", "--help"}, options);
+  if (help.code == kCannotRun) GTEST_SKIP() << "another user can run no program here";
   // Else the renders below would fail for another reason.
-  ASSERT_EQ(run_morsel({"field", "--help"}, options).code, 0);
+  ASSERT_EQ(help.code, 0);
   for (const std::vector<std::string>& flags :
        std::vector<std::vector<std::string>>{{"-o", "locked/a.exr"},
                                              {"--checkpoint", "locked/a.checkpoint"},

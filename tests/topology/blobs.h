@@ -98,4 +98,28 @@ class Constant final : public ScalarField {
   double value_;
 };
 
+// F = slope * x + constant.
+class Linear final : public ScalarField {
+ public:
+  Linear(const Imath::V3d& slope, double constant) : slope_(slope), constant_(constant) {}
+  double value(const Imath::V3d& x) const override { return (slope_ ^ x) + constant_; }
+  Jet jet(const Imath::V3d& x) const override { return {value(x), slope_, {}}; }
+  LocalModel model(const Box& box) const override {
+    LocalModel m;
+    m.centre = centre(box);
+    m.half = half_size(box);
+    m.c[monomial::k1] = value(m.centre);
+    for (int i = 0; i < 3; ++i) m.c[static_cast<std::size_t>(monomial::kX + i)] = slope_[i];
+    m.add_rounding();
+    return m;
+  }
+  std::unique_ptr<ScalarField> restricted_to(const Box&) const override {
+    return std::make_unique<Linear>(*this);
+  }
+
+ private:
+  Imath::V3d slope_;
+  double constant_;
+};
+
 }  // namespace morsel::topology::testing

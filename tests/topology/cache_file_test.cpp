@@ -154,6 +154,8 @@ TEST_F(CacheFile, KeepRulesChooseComponents) {
   EXPECT_EQ(kept("ids:1"), (std::vector<bool>{false, true}));
   const std::uint32_t at_three = t.nodes[t.octree().locate({3, 0, 0}).node].component;
   EXPECT_EQ(kept("touching:3,0,0")[at_three], true);
+  // Outside the box there is no cell, though the nearest one may hold something.
+  EXPECT_EQ(kept("touching:3,0,900"), (std::vector<bool>{false, false}));
   EXPECT_EQ(kept("touching:1.5,0,0"), (std::vector<bool>{false, false}));
   EXPECT_THROW(kept("ids:2"), std::invalid_argument);
 }

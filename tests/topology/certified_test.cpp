@@ -26,6 +26,7 @@ using testing::Blobs;
 using testing::Constant;
 using testing::Counted;
 using testing::flood_fill;
+using testing::Linear;
 
 Box cube(double half, const Imath::V3d& centre = Imath::V3d(0.0)) {
   return {centre - Imath::V3d(half), centre + Imath::V3d(half)};
@@ -264,6 +265,70 @@ TEST(Certified, EndsInTheMiddleOfATree) {
   Counted::Trigger stop{100'000, [&] { cancel = true; }};
   EXPECT_THROW(certify(Counted(std::make_shared<Constant>(0.0), stop), options, execution),
                Cancelled);
+}
+
+// The memory that is allowed is not left behind by one tree before it is done.
+TEST(Certified, AnEndlessTreeEndsAtTheMemoryAllowed) {
+  Execution execution;
+  execution.max_bytes = std::uint64_t{1} << 20;
+  CertifyOptions options;
+  options.box = cube(1.0);
+  options.max_depth = kMaxDepth;
+  int models = 1'000'000;
+  Counted::Trigger stop{models, [] { FAIL() << "so many models make more than 1 MiB"; }};
+  EXPECT_THROW(certify(Counted(std::make_shared<Constant>(0.0), stop), options, execution),
+               MemoryLimit);
+}
+
+// Flat faces in planes of the octree, and planes that cross two of them in one line: reported as
+// undecided, at once and not after 2^20 cells along each edge.
+TEST(Certified, SurfacesInPlanesOfTheOctreeEndSoon) {
+  for (const Imath::V3d& slope :
+       {Imath::V3d(0, 0, -1), Imath::V3d(1, 0, 1), Imath::V3d(-1, 2, 0)}) {
+    const Linear field(slope, 0.0);
+    Counted::Trigger many{100'000, [] { FAIL() << "no end"; }};
+    CertifyOptions options;
+    options.box = cube(1.0);
+    options.max_depth = kMaxDepth;
+    const Topology t = certify(Counted(std::make_shared<Linear>(field), many), options);
+    EXPECT_EQ(t.components.size(), 1u);
+    EXPECT_EQ(t.components_lo, 1u);
+    EXPECT_FALSE(t.certified);
+    for (const OctreeNode& node : t.nodes) ASSERT_EQ(node.reserved, 0);
+    VerifyOptions full;
+    full.full = true;
+    EXPECT_TRUE(verify(field, t, full).passed());
+    // Next to it there is nothing of the kind.
+    options.box = cube(1.0, Imath::V3d(1e-9, 3e-9, -2e-9));
+    const Linear beside(slope, 1e-9);
+    EXPECT_TRUE(certify(beside, options).certified);
+  }
+}
+
+// Whatever the depth limit: where nothing is decided, little is known.
+TEST(Certified, VolumesAndBoxesHoldWhereCellsAreUndecided) {
+  const double radius = std::sqrt(1.0 - std::cbrt(0.3));
+  const double volume = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+  const Imath::V3d centre(0.1, -0.2, 0.3);
+  const Blobs ball({centre}, 1.0, 0.3);
+  bool undecided = false;
+  for (int depth = 2; depth < 9; ++depth) {
+    CertifyOptions options;
+    options.box = cube(2.0);
+    options.min_depth = 1;
+    options.max_depth = depth;
+    const Topology t = certify(ball, options);
+    undecided = undecided || t.unresolved_cells > 0;
+    for (const Component& c : t.components) {
+      EXPECT_LE(c.volume_lo, volume) << depth;
+      EXPECT_GE(c.volume_hi, volume) << depth;
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LE(c.bounds.min[axis], centre[axis] - radius) << depth;
+        EXPECT_GE(c.bounds.max[axis], centre[axis] + radius) << depth;
+      }
+    }
+  }
+  EXPECT_TRUE(undecided);
 }
 
 // x - 0.3, except that nothing is known of it, or that it is not finite, beyond x = 1/2.

@@ -71,6 +71,20 @@ TEST(ComponentTable, AnUndecidedFaceThatMayJoinTwoComponentsIsReported) {
     EXPECT_EQ(t.components.size(), 8u);
     EXPECT_EQ(t.components_lo, 7u);
     EXPECT_EQ(t.components_hi, 8u);
+    // The two that may be one share what either may reach.
+    int both = 0;
+    for (const Component& c : t.components) {
+      if (c.bounds.max.x - c.bounds.min.x < 0.9) {
+        EXPECT_NEAR(c.volume_hi, 0.125, 1e-12);
+        continue;
+      }
+      ++both;
+      EXPECT_EQ(c.bounds.min, Imath::V3d(0.0));
+      EXPECT_EQ(c.bounds.max, Imath::V3d(1.0, 0.5, 0.5));
+      EXPECT_GE(c.volume_hi, 0.25);
+      EXPECT_NEAR(c.volume_hi, 0.25, 1e-12);
+    }
+    EXPECT_EQ(both, 2);
   }
 }
 

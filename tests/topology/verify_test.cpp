@@ -151,5 +151,28 @@ TEST_F(Verify, LiesAboutComponentsAreFoundWhateverIsDrawn) {
   EXPECT_FALSE(spoil([](Topology& t) { t.touches_box = Imath::V3d(0.0); }));
 }
 
+TEST_F(Verify, LiesAboutWhatIsUndecidedAreFound) {
+  CertifyOptions options;
+  options.box = Box(Imath::V3d(-2.0), Imath::V3d(5.0, 2.0, 2.0));
+  options.max_depth = 4;
+  topology_ = certify(field_, options);
+  ASSERT_FALSE(topology_.certified);
+  ASSERT_FALSE(topology_.unresolved.empty());
+  const auto spoil = [&](auto&& change) {
+    Topology t = topology_;
+    change(t);
+    return passes(t, false);
+  };
+  EXPECT_TRUE(spoil([](Topology&) {}));
+  EXPECT_FALSE(spoil([](Topology& t) { t.certified = true; }));
+  EXPECT_FALSE(spoil([](Topology& t) { ++t.components_lo; }));
+  EXPECT_FALSE(spoil([](Topology& t) {
+    t.components_hi = t.components_hi ? std::nullopt : std::optional(t.components_lo + 9);
+  }));
+  EXPECT_FALSE(spoil([](Topology& t) { t.components[0].volume_hi *= 0.9; }));
+  EXPECT_FALSE(spoil([](Topology& t) { t.unresolved.clear(); }));
+  EXPECT_FALSE(spoil([](Topology& t) { t.unresolved[0].box.max.x += 0.1; }));
+}
+
 }  // namespace
 }  // namespace morsel::topology
