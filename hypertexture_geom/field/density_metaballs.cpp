@@ -27,7 +27,7 @@ class Metaballs final : public Expression {
   topology::LocalModel model(const Box& box) const override {
     RadialSum sum(box);
     add_terms(balls_, sum);
-    sum.add_constant(-level_, 0.0, 0.0, 0.0);
+    sum.add_constant(-level_);
     return sum.finish();
   }
 

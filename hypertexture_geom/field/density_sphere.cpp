@@ -67,7 +67,8 @@ class Sphere final : public Expression {
       // Too wide a box for that: the plain range. |grad D| < 1, and its derivatives are at most 1 /
       // lowest.
       sum.add_constant(radius_ - 0.5 * (highest + lowest),
-                       half_range + 1e-12 * (highest + std::abs(radius_)), 1.0, 1.0 / lowest);
+                       half_range + 1e-12 * (highest + std::abs(radius_)), Imath::V3d(1.0),
+                       1.0 / lowest);
       return sum.finish();
     }
     t.a[0] = -root;
@@ -79,7 +80,7 @@ class Sphere final : public Expression {
     t.a_size[2] = 0.125 / (lowest * nearest);
     t.a_size[3] = 0.0625 / (lowest * nearest * nearest);
     sum.add(t);
-    sum.add_constant(radius_, 0.0, 0.0, 0.0);
+    sum.add_constant(radius_);
     return sum.finish();
   }
 

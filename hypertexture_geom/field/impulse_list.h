@@ -38,6 +38,10 @@ class ImpulseList {
     return {Imath::V3d(b.x[k], b.y[k], b.z[k]), b.inverse_square[k], b.weight[k]};
   }
 
+  double inverse_square(std::size_t i) const {
+    return blocks_[i / ImpulseBlock::kSize].inverse_square[i % ImpulseBlock::kSize];
+  }
+
   void push_back(const Impulse& p) {
     const std::size_t k = size_ % ImpulseBlock::kSize;
     if (k == 0) blocks_.emplace_back();
@@ -50,9 +54,18 @@ class ImpulseList {
     ++size_;
   }
 
-  // Appends those impulses of `from` that are not 0 on all of the box |u_i| <= half_i about
-  // `centre`; a few that are by a rounding may be among them.
-  void append_reaching(const ImpulseList& from, const Imath::V3d& centre, const Imath::V3d& half);
+  // Places of the last block that are not used have weight 0.
+  const ImpulseBlock* blocks() const { return blocks_.data(); }
+  std::size_t block_count() const { return blocks_.size(); }
+
+  void append(const ImpulseList& other);
+
+  // Of those impulses that are not 0 on all of the box |u_i| <= half_i about `centre` (a few that
+  // are by a rounding may be among them), appends to `whole` those whose kernels hold all of it:
+  // there they are weight * (1 - inverse_square * |x - centre|^2)^3. The others go to `cut`, which
+  // may be the same list.
+  void sort(const Imath::V3d& centre, const Imath::V3d& half, ImpulseList& whole,
+            ImpulseList& cut) const;
 
   // Sum of all impulses at `x`, evaluated with the machine's widest vectors (Highway picks at run
   // time). The order of summation follows the vector width: results of two machines may differ by a

@@ -19,6 +19,11 @@ struct CellImpulse {
 CellImpulse cell_impulse(std::int64_t i, std::int64_t j, std::int64_t k, std::uint32_t index,
                          std::uint32_t octave, std::uint32_t seed);
 
+// The same in two steps, for all impulses of a cell: what they have in common, and one of them.
+std::uint32_t impulse_cell_key(std::uint32_t process_key, std::int64_t i, std::int64_t j,
+                               std::int64_t k);
+CellImpulse cell_impulse(std::uint32_t cell_key, std::uint32_t index);
+
 // The state that hashing a cell starts from.
 std::uint32_t impulse_process_key(std::uint32_t octave, std::uint32_t seed);
 

@@ -118,11 +118,13 @@ HWY_INLINE void add_impulse(const Impulse& impulse, RadialLanes& sum) {
                 Lanes(36.0 * aw * slope * slope) * z3);
 }
 
-void impulse_models(const ImpulseList& impulses, topology::ModelBatch& models) {
+void impulse_models(const ImpulseList& impulses, const RadialPolynomial& polynomial,
+                    topology::ModelBatch& models) {
   for (std::size_t first = 0; first < topology::ModelBatch::kSize; first += Lanes::count()) {
     RadialLanes sum(models, first);
+    if (!polynomial.empty()) sum.add_polynomial(polynomial);
     for (std::size_t n = 0; n < impulses.size(); ++n) add_impulse(impulses[n], sum);
-    sum.finish(static_cast<int>(impulses.size()), models);
+    sum.finish(static_cast<int>(impulses.size()) + 1, models);
   }
 }
 
@@ -192,8 +194,9 @@ namespace morsel::geom {
 HWY_EXPORT(impulse_models);
 HWY_EXPORT(sphere_models);
 
-void child_models_of(const ImpulseList& impulses, topology::ModelBatch& models) {
-  HWY_DYNAMIC_DISPATCH(impulse_models)(impulses, models);
+void child_models_of(const ImpulseList& impulses, const RadialPolynomial& polynomial,
+                     topology::ModelBatch& models) {
+  HWY_DYNAMIC_DISPATCH(impulse_models)(impulses, polynomial, models);
 }
 
 void child_models_of_sphere(const Imath::V3d& centre, double radius, double square,

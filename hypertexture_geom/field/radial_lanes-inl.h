@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "hypertexture_geom/field/radial_move-inl.h"
 #include "topology/lanes-inl.h"
 #include "topology/model_batch.h"
 
@@ -78,6 +79,24 @@ class RadialLanes {
     const Lanes quintic = three * ss;
     for (int i = 0; i < 3; ++i) quintic_[i] += quintic * q[i];
     sextic_ += a3 * ss * s;
+  }
+
+  // What is known on a box that contains those of the lanes.
+  void add_polynomial(const RadialPolynomial& polynomial) {
+    auto p = coefficients_of<Lanes>(polynomial);
+    const Lanes d[3] = {centre_[0] - Lanes(polynomial.centre.x),
+                        centre_[1] - Lanes(polynomial.centre.y),
+                        centre_[2] - Lanes(polynomial.centre.z)};
+    move_radial<Lanes>(p, d);
+    for (int i = 0; i < topology::monomial::kCount; ++i) c_[i] += p.c[i];
+    for (int i = 0; i < 6; ++i) form_[i] += p.form[i];
+    for (int i = 0; i < 3; ++i) quintic_[i] += p.quintic[i];
+    sextic_ += p.sextic;
+    const auto error = [&](int k) {
+      return Lanes(polynomial.error[k] + kMoved * polynomial.size[k]);
+    };
+    add_plain_error(error(0), error(1), error(2));
+    add_sizes(Lanes(polynomial.size[0]), Lanes(polynomial.size[1]), Lanes(polynomial.size[2]));
   }
 
   // What the function of q is off by, with its derivatives: absolute values, the weight included.

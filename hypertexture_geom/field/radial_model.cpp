@@ -101,11 +101,97 @@ void RadialSum::add(const RadialTerm& t) {
   ++terms_;
 }
 
-void RadialSum::add_constant(double value, double value_error, double gradient_error,
+void RadialSum::add(const RadialPolynomial& polynomial) {
+  if (polynomial.empty()) return;
+  const RadialPolynomial p = moved(polynomial, model_.centre);
+  for (std::size_t i = 0; i < kCount; ++i) model_.c[i] += p.c[i];
+  for (int i = 0; i < 6; ++i) quartic_form_[i] += p.form[i];
+  for (int i = 0; i < 3; ++i) quintic_[i] += p.quintic[i];
+  sextic_ += p.sextic;
+  model_.value_error += p.error[0];
+  model_.gradient_error += Imath::V3d(p.error[1]);
+  model_.hessian_error += p.error[2];
+  for (int k = 0; k < 3; ++k) {
+    rounding_[k] += p.size[k];
+    inherited_[k] += p.size[k];
+  }
+  ++terms_;
+}
+
+namespace {
+
+// RadialPolynomial::size on |u_i| <= h_i, from the coefficients as they are, so that what impulses
+// of either sign cancel does not count.
+void set_size(RadialPolynomial& p, const Imath::V3d& h) {
+  constexpr int kPair[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};  // of form, and of kXX + ...
+  constexpr int kTriple[3][6] = {{kXXX, kXYY, kXZZ, kXXY, kXXZ, kXYZ},
+                                 {kXXY, kYYY, kYZZ, kXYY, kXYZ, kYYZ},
+                                 {kXXZ, kYYZ, kZZZ, kXYZ, kXZZ, kYZZ}};
+  const auto& c = p.c;
+  const double r = h.length2(), top = std::max({h.x, h.y, h.z}), w = std::abs(p.sextic);
+  double form = 0.0, widest = 0.0, largest = 0.0, reach = 0.0, slope = 0.0, th[3];
+  for (int i = 0; i < 3; ++i) {
+    th[i] = 0.0;
+    for (int j = 0; j < 3; ++j) {
+      const double f = std::abs(p.form[kPair[i][j]]);
+      th[i] += f * h[j];
+      largest = std::max(largest, f);
+    }
+    form += th[i] * h[i];
+    widest = std::max(widest, th[i]);
+    reach += std::abs(p.quintic[i]) * h[i];
+    slope = std::max(slope, std::abs(p.quintic[i]));
+  }
+  double value = std::abs(c[k1]), gradient = 0.0, hessian = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    double g = std::abs(c[kX + i]);
+    for (int j = 0; j < 3; ++j) {
+      // Every monomial is counted at least once for each of its factors.
+      double second = 2.0 * std::abs(c[kXX + kPair[i][j]]);
+      for (int k = 0; k < 3; ++k) second += 6.0 * std::abs(c[kTriple[i][kPair[j][k]]]) * h[k];
+      hessian = std::max(hessian, second);
+      g += second * h[j];
+    }
+    value += g * h[i];
+    g += 2.0 * h[i] * form + 2.0 * r * th[i] + r * r * std::abs(p.quintic[i]) +
+         (4.0 * reach + 6.0 * r * w) * r * h[i];
+    gradient = std::max(gradient, g);
+  }
+  p.size[0] = kUnderflow + value + r * (form + r * (reach + r * w));
+  p.size[1] = gradient;
+  p.size[2] = hessian + 2.0 * form + 8.0 * top * widest + 2.0 * r * largest +
+              8.0 * r * top * slope + reach * (8.0 * top * top + 4.0 * r) +
+              w * (24.0 * r * top * top + 6.0 * r * r);
+  for (double& size : p.size) size *= 1.0 + 1e-12;
+}
+
+}  // namespace
+
+RadialPolynomial RadialSum::polynomial() const {
+  RadialPolynomial p;
+  p.centre = model_.centre;
+  if (terms_ == 0) return p;
+  for (std::size_t i = 0; i < kCount; ++i) p.c[i] = model_.c[i];
+  for (int i = 0; i < 6; ++i) p.form[i] = quartic_form_[i] + (i < 3 ? quartic_ : 0.0);
+  for (int i = 0; i < 3; ++i) p.quintic[i] = quintic_[i];
+  p.sextic = sextic_;
+  const Imath::V3d& g = model_.gradient_error;
+  const double error[3] = {model_.value_error, std::max({g.x, g.y, g.z}), model_.hessian_error};
+  for (int k = 0; k < 3; ++k) {
+    const double own = rounding_[k] - inherited_[k];
+    p.error[k] = error[k] +
+                 kEpsilon * (kRoundings * own + (2.0 * terms_ + 8.0) * (rounding_[k] + error[k])) +
+                 kUnderflow;
+  }
+  set_size(p, model_.half);
+  return p;
+}
+
+void RadialSum::add_constant(double value, double value_error, const Imath::V3d& gradient_error,
                              double hessian_error) {
   model_.c[k1] += value;
   model_.value_error += value_error;
-  for (int i = 0; i < 3; ++i) model_.gradient_error[i] += gradient_error;
+  model_.gradient_error += gradient_error;
   model_.hessian_error += hessian_error;
   rounding_[0] += std::abs(value) + value_error;
   ++terms_;

@@ -3,6 +3,7 @@
 
 #include <Imath/ImathVec.h>
 
+#include "hypertexture_geom/field/radial_polynomial.h"
 #include "topology/local_model.h"
 
 namespace morsel::geom {
@@ -33,9 +34,15 @@ class RadialSum {
   const Imath::V3d& half() const { return model_.half; }
 
   void add(const RadialTerm& term);
-  void add_constant(double value, double value_error, double gradient_error, double hessian_error);
+  // What is known on a box that contains this one.
+  void add(const RadialPolynomial& polynomial);
+  void add_constant(double value, double value_error = 0.0,
+                    const Imath::V3d& gradient_error = Imath::V3d(0.0), double hessian_error = 0.0);
 
   topology::LocalModel finish();
+
+  // The sum as it is, nothing dropped, instead of finish().
+  RadialPolynomial polynomial() const;
 
  private:
   void fold_quartic();
@@ -48,7 +55,8 @@ class RadialSum {
   double quartic_form_[6] = {};
   double quintic_[3] = {};
   double sextic_ = 0.0;
-  double rounding_[3] = {};  // sums of term sizes: value, gradient, Hessian
+  double rounding_[3] = {};   // sums of term sizes: value, gradient, Hessian
+  double inherited_[3] = {};  // of these, those of polynomials, whose own rounding is in the error
   int terms_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <sstream>
 #include <vector>
 
@@ -105,6 +106,30 @@ Box random_box(std::mt19937_64& random, const std::vector<std::array<double, 3>>
       }
   }
   return Box(c - half, c + half);
+}
+
+// The field on the box, restricted to larger and larger boxes around it before, as the octree does
+// it.
+std::unique_ptr<topology::ScalarField> restricted_by_steps(const topology::ScalarField& field,
+                                                           const Box& box,
+                                                           std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<Box> around{box};
+  for (int n = static_cast<int>(random() % 24); n > 0; --n) {
+    Box next = around.back();
+    const Imath::V3d size = next.max - next.min;
+    const double widest = std::max({size.x, size.y, size.z, 1e-9});
+    if (widest > 4.0) break;
+    for (int a = 0; a < 3; ++a) {
+      next.min[a] -= widest * unit(random);
+      next.max[a] += widest * unit(random);
+    }
+    around.push_back(next);
+  }
+  std::unique_ptr<topology::ScalarField> local;
+  for (; !around.empty(); around.pop_back())
+    local = (local ? *local : field).restricted_to(around.back());
+  return local;
 }
 
 struct Cubic {
@@ -239,9 +264,10 @@ ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed,
       topology::ModelBatch batch;
       {
         const FlushToZero mode(flush_to_zero);
-        // As the octree does it, and directly.
-        model = n % 2 == 0 ? field->model(box) : field->restricted_to(box)->model(box);
-        if (children) field->restricted_to(box)->child_models(box, 0xffu, batch);
+        // Directly, and as the octree does it.
+        const auto local = restricted_by_steps(*field, box, random);
+        model = n % 2 == 0 ? field->model(box) : local->model(box);
+        if (children) local->child_models(box, 0xffu, batch);
       }
       checker.box(model, box, random, kSamplesOfABox);
       if (!children) continue;

@@ -31,7 +31,8 @@ struct ReferenceCheck {
 // away, some
 // where values underflow), sample points in long double against the models' bounds for value and
 // gradient, by an independent implementation of the fields (reference_field.h). Models come from
-// model(), restricted fields' model() and child_models(), all eight. `scale` < 1 weakens the
+// model(), and from model() and child_models() (all eight) of fields that were restricted to the
+// box in up to 24 steps. `scale` < 1 weakens the
 // bounds, to show that that is noticed.
 ReferenceCheck check_against_reference(std::int64_t samples, std::uint64_t seed, bool flush_to_zero,
                                        double scale = 1.0);

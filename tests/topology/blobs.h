@@ -64,7 +64,7 @@ class Blobs final : public ScalarField {
       t.a_size[3] = 1.0;
       sum.add(t);
     }
-    sum.add_constant(-level_, 0.0, 0.0, 0.0);
+    sum.add_constant(-level_);
     return sum.finish();
   }
 

@@ -122,6 +122,38 @@ TEST(ModelBatch, BoundsHold) {
   }
 }
 
+// A field that was restricted level by level says as much as the field itself: what is carried from
+// level to level is off by rounding only.
+TEST(ModelBatch, NothingIsLostFromLevelToLevel) {
+  std::mt19937_64 random(13);
+  for (const int layers : {1, 3, 5}) {
+    const auto field = geom::testing::field_of(geom::testing::eq13_json(layers, 2));
+    for (int n = 0; n < 30; ++n) {
+      const Imath::V3d towards = centre(random_box(random, 0.5));
+      Box box(Imath::V3d(-4.0), Imath::V3d(4.0));
+      std::unique_ptr<ScalarField> local = field->restricted_to(box);
+      for (int level = 0; level < 24; ++level) {
+        const Imath::V3d middle = centre(box);
+        box = child_box(
+            box, (towards.x > middle.x) + 2 * (towards.y > middle.y) + 4 * (towards.z > middle.z));
+        local = local->restricted_to(box);
+        EXPECT_NEAR(local->value(towards), field->value(towards), 1e-13);
+        if (level < 6) continue;
+        ModelBatch batch;
+        local->child_models(box, 0xffu, batch);
+        for (int i = 0; i < 8; i += 3) {
+          const LocalModel one = field->model(child_box(box, i)), other = batch[i];
+          EXPECT_LE(other.value_error, 1.0001 * one.value_error + 1e-9) << level;
+          for (int axis = 0; axis < 3; ++axis)
+            EXPECT_LE(other.gradient_error[axis], 1.0001 * one.gradient_error[axis] + 1e-7)
+                << level;
+          EXPECT_LE(other.hessian_error, 1.0001 * one.hessian_error + 1e-5) << level;
+        }
+      }
+    }
+  }
+}
+
 // Two proofs about one set cannot contradict: one that says more than the other is fine.
 bool contradict(Content a, Content b) {
   if (a == Content::kUndecided || b == Content::kUndecided) return false;
