@@ -128,10 +128,10 @@ figure_7() {
 figure_8() {
   local l names=()
   for l in 1 3; do
-    render "$scenes/table1_l$l.json" "original_l$l" 64 400x400 "${wide[@]}" --keep all \
+    render "$scenes/table1_l$l.json" "original_l$l" 64 480x480 "${wide[@]}" --keep all \
       --set 'materials.debris.color=[0.55, 0.5, 0.45]'
-    render "$scenes/table1_l$l.json" "detached_l$l" 64 400x400 "${wide[@]}" --keep all
-    render "$scenes/table1_l$l.json" "corrected_l$l" 64 400x400 "${wide[@]}"
+    render "$scenes/table1_l$l.json" "detached_l$l" 64 480x480 "${wide[@]}" --keep all
+    render "$scenes/table1_l$l.json" "corrected_l$l" 64 480x480 "${wide[@]}"
   done
   for name in original detached corrected; do names+=("${name}_l1.png" "${name}_l3.png"); done
   mosaic 2x3 figure8.jpg "${names[@]}"
