@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/reporter.h"
 
 namespace {
@@ -45,6 +46,7 @@ int become_renderer(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_interrupts();
   if (argc > 1)
     for (const auto& command : kRendererCommands)
       if (std::strcmp(argv[1], command.name) == 0) return become_renderer(argv);

@@ -9,19 +9,23 @@ Makes the pictures of scenes/figures/README.md again, after figures of the paper
 Without FIGURE all of them.
 
   --quick             small and with few samples, to see that all works
-  --output FOLDER     where to (scenes/figures)
-  --morsel PROGRAM    the command to use (build/release/bin/morsel)
+  --output FOLDER     where to (scenes/figures of this repository)
+  --work FOLDER       where to keep what is computed on the way (build/figures; with --output, FOLDER/work of that)
+  --morsel PROGRAM    the command to use (build/release/bin/morsel of this repository)
   --help              show this text
 
-Needs python3 (its standard library) and oiiotool. What is computed on the way stays in build/figures.
+Needs python3 (its standard library) and oiiotool.
 Exit code: 0 done, 1 a step failed, 2 wrong usage.
 TEXT
 }
 
+caller=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tools/lib/steps.sh
 
-all=(1 2 3 7 8 table1) figures=() quick=no output=scenes/figures morsel=build/release/bin/morsel
+all=(1 2 3 7 8 table1) figures=() quick=no output= work= morsel=$PWD/build/release/bin/morsel
+# here PATH: one that the caller has given, relative to where they are.
+here() { if [[ $1 == /* ]]; then printf '%s' "$1"; else printf '%s' "$caller/$1"; fi; }
 wrong() {
   printf 'make_figures.sh: %s\n\n' "$1" >&2
   usage >&2
@@ -30,9 +34,14 @@ wrong() {
 while [[ $# -gt 0 ]]; do
   case $1 in
     --quick) quick=yes ;;
-    --output | --morsel)
-      [[ $# -gt 1 ]] || wrong "$1 needs a value"
-      if [[ $1 == --output ]]; then output=$2; else morsel=$2; fi
+    --output | --work | --morsel)
+      [[ $# -gt 1 && -n $2 ]] || wrong "$1 needs a value"
+      case $1 in
+        --output) output=$(here "$2") ;;
+        --work) work=$(here "$2") ;;
+        # A name without a folder is looked up in PATH.
+        --morsel) if [[ $2 == */* ]]; then morsel=$(here "$2"); else morsel=$2; fi ;;
+      esac
       shift
       ;;
     --help | -h) usage; exit 0 ;;
@@ -49,7 +58,10 @@ for program in "$morsel" python3 oiiotool; do
   command -v "$program" >/dev/null || { echo "make_figures.sh: $program is missing" >&2; exit 1; }
 done
 
-scenes=scenes/figures work=build/figures
+scenes=scenes/figures
+work=${work:-${output:+$output/work}}
+work=${work:-build/figures}
+output=${output:-scenes/figures}
 mkdir -p "$work" "$output"
 
 # render SCENE NAME SPP SIZE FLAG...: a picture $work/NAME.png.
@@ -104,19 +116,22 @@ figure_3() {
   mosaic 1x1 figure3.jpg figure3.png
 }
 
+# The scenes' cameras look at the main component; among all of them some would be cut by the frame.
+wide=(--set camera.vertical_fov=48)
+
 figure_7() {
   network "$scenes/table1_l1.json" table1_l1 0.006 maxima separatrices
-  render "$work/table1_l1_network.json" figure7 16 640x640
+  render "$work/table1_l1_network.json" figure7 16 640x640 "${wide[@]}"
   mosaic 1x1 figure7.jpg figure7.png
 }
 
 figure_8() {
   local l names=()
   for l in 1 3; do
-    render "$scenes/table1_l$l.json" "original_l$l" 64 400x400 --keep all \
+    render "$scenes/table1_l$l.json" "original_l$l" 64 480x480 "${wide[@]}" --keep all \
       --set 'materials.debris.color=[0.55, 0.5, 0.45]'
-    render "$scenes/table1_l$l.json" "detached_l$l" 64 400x400 --keep all
-    render "$scenes/table1_l$l.json" "corrected_l$l" 64 400x400
+    render "$scenes/table1_l$l.json" "detached_l$l" 64 480x480 "${wide[@]}" --keep all
+    render "$scenes/table1_l$l.json" "corrected_l$l" 64 480x480 "${wide[@]}"
   done
   for name in original detached corrected; do names+=("${name}_l1.png" "${name}_l3.png"); done
   mosaic 2x3 figure8.jpg "${names[@]}"

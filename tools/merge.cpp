@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "renderer/image/png.h"
 #include "tools/commands.h"
@@ -24,6 +25,17 @@ struct Options {
   ReportingOptions reporting;
 };
 
+// By name: that two files hold one shard is found when they are read.
+void require_different(const std::vector<std::string>& shards) {
+  std::set<fs::path> seen;
+  for (const std::string& shard : shards) {
+    std::error_code error;
+    const fs::path file = fs::weakly_canonical(shard, error);
+    if (!error && !seen.insert(file).second)
+      throw std::runtime_error(fmt::format("{}: is given twice", shard));
+  }
+}
+
 int run(const Options& options) {
   Reporter reporter(options.reporting);
   const fs::path exr = options.output;
@@ -34,6 +46,7 @@ int run(const Options& options) {
     png = options.png.empty() ? fs::path(exr).replace_extension("png") : fs::path(options.png);
   if (!png.empty() && png.extension() != ".png")
     throw UsageError(fmt::format("--png {}: must end in .png", png.string()));
+  require_different(options.shards);
   topology::require_replaceable(exr);
   if (!png.empty()) topology::require_replaceable(png);
 

@@ -35,7 +35,7 @@ std::vector<int> parse_integers(const std::string& flag, const std::string& text
 }
 
 double parse_duration(const std::string& flag, const std::string& text) {
-  constexpr const char* kForm = "a time, as in 90s, 15m or 1.5h";
+  constexpr const char* kForm = "a time above 0, as in 90s, 15m or 1.5h";
   double value = 0.0;
   const char* const end = text.data() + text.size();
   const auto [unit, error] = std::from_chars(text.data(), end, value);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "renderer/image/denoise.h"
 #include "renderer/scene/readers.h"
 #include "renderer/scene/scene_json.h"
 #include "tools/parse_values.h"
@@ -58,6 +59,14 @@ CheckpointInterval parse_interval(const std::string& text) {
 bool is_folder(const std::string& name) {
   std::error_code error;
   return !name.empty() && (name.back() == '/' || fs::is_directory(name, error));
+}
+
+// Folders are not made: a name that is misspelt would become one.
+void require_folder(const char* flag, const std::string& name) {
+  std::error_code error;
+  if (!name.empty() && name.back() == '/' && !fs::is_directory(name, error))
+    throw std::runtime_error(
+        fmt::format("{} {}: no such folder; make it first, by mkdir -p {}", flag, name, name));
 }
 
 // `name` is a file, or a folder for the file `in_folder`.
@@ -207,10 +216,14 @@ std::vector<RenderPlan> plan_renders(const RenderFlags& flags) {
     plan.time_limit = time_limit;
     plan.stop_at_nan = flags.stop_at_nan;
     plan.threads = flags.threads;
-    for (const fs::path& file : {plan.exr, plan.png, plan.checkpoint, plan.preview})
-      if (!file.empty()) topology::require_replaceable(file);
     plans.push_back(std::move(plan));
   }
+  // Once all scenes are known to be right: what is wrong with the call comes before the disk.
+  require_folder("-o", flags.output);
+  require_folder("--checkpoint", flags.checkpoint);
+  for (const RenderPlan& plan : plans)
+    for (const fs::path& file : {plan.exr, plan.png, plan.checkpoint, plan.preview})
+      if (!file.empty()) topology::require_replaceable(file);
   require_distinct(plans);
   return plans;
 }
@@ -265,6 +278,9 @@ void add_render_flags(CLI::App& command, RenderFlags& flags) {
                      "Topology cache of the scene's only hypertexture; built if missing");
   command.add_flag("--denoise", flags.denoise,
                    "Write a denoised layer too, and the preview of it (if this build can)");
+  // Not in the flag's own help, of which the man page is made: that is the same for all builds.
+  if (render::denoiser_version().empty())
+    command.footer("This build has no Open Image Denoise: --denoise warns and does nothing.");
   command.add_option("--stats", flags.stats, "What it took: text, json or json:FILE");
   command.add_option("--debug-pixel", flags.debug_pixel,
                      "Print every sample of the pixel x,y with its rays, and render nothing");

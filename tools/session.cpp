@@ -4,16 +4,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <string>
-#include <vector>
 
 #include "hypertexture_geom/params/json_reader.h"
-#include "hypertexture_geom/params/parameter.h"
 #include "tools/interrupt.h"
 #include "tools/man_options.h"
+#include "tools/usage_errors.h"
 #include "tools/version.h"
 #include "topology/certified.h"
 
@@ -23,18 +21,6 @@ namespace {
 int fail(const std::string& message, int code) {
   say(fmt::format("morsel: error: {}\n", message));
   return code;
-}
-
-// The parser says only that a command is missing. Empty when the first word is a command or a flag.
-std::string unknown_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return {};
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
-  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return {};
-  const std::string near = params::nearest_name(argv[1], names);
-  return fmt::format("{}: unknown command{}; commands: {}", argv[1],
-                     near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),
-                     fmt::join(names, ", "));
 }
 
 int run_guarded(const Session& session) {
@@ -71,16 +57,15 @@ int run_command_line(int argc, char** argv, const std::function<void(CLI::App&, 
   app.require_subcommand(1);
   Session session;
   session.cancel = &install_interrupt_handler();
+  ignore_file_size_signal();
   add(app, session);
-  if (const std::string problem = unknown_command(app, argc, argv); !problem.empty())
-    return fail(problem, kWrongUsage);
+  let_last_win(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version
     return app.exit(e, std::cout, std::cerr);
   } catch (const CLI::ParseError& e) {
-    app.exit(e, std::cerr, std::cerr);
-    return kWrongUsage;
+    return fail(usage_error(app, e), kWrongUsage);
   }
   return run_guarded(session);
 }

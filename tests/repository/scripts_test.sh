@@ -24,7 +24,7 @@ exit_code() {
 }
 
 # Options.
-for script in quickstart run_tests fuzz; do
+for script in quickstart run_tests fuzz make_figures; do
   check "$script --help exits 0" test "$(exit_code "$root/tools/$script.sh" --help)" = 0
   check "$script --help shows the usage" grep -q "^Usage: tools/$script.sh" "$folder/output"
   check "$script: unknown option exits 2" test "$(exit_code "$root/tools/$script.sh" --frobnicate)" = 2
@@ -130,5 +130,25 @@ for file in build/release/bin/morsel build/release/bin/morsel-render scenes/defa
 done
 touch scenes/README.md
 check "documents do not matter" test -z "$(newer)"
+
+# Figures: paths are those of whoever calls, and nothing is left in the repository when the pictures go elsewhere.
+for program in morsel oiiotool python3; do
+  cat >"$folder/bin/$program" <<'TEXT'
+#!/usr/bin/env bash
+echo "$*" >>"$CALLS"
+for file in "$@"; do :; done
+[[ ${0##*/} != oiiotool ]] || touch "$file"
+TEXT
+  chmod +x "$folder/bin/$program"
+done
+figures() {
+  : >"$CALLS"
+  PATH=$folder/bin:$PATH exit_code "$root/tools/make_figures.sh" --quick "$@" 1
+}
+check "figures: exit 0" test "$(figures --output ../figures --morsel ../bin/morsel)" = 0
+check "figures: the output is relative to the caller" test -f "$folder/figures/figure1.jpg"
+check "figures: what is made on the way is beside it" grep -q -- "-o $folder/work/../figures/work/figure1_a08.exr" "$CALLS"
+check "figures: another folder for it" test "$(figures --output "$folder/figures" --morsel morsel --work on/the/way)" = 0
+check "figures: that is relative to the caller, too" grep -q -- "-o $folder/work/on/the/way/figure1_a08.exr" "$CALLS"
 
 exit $((failures > 0))

@@ -2,6 +2,7 @@
 // Usage, exit codes and streams that all subcommands share.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "command_scene.h"
@@ -43,6 +44,69 @@ TEST(Command, AnUnknownCommandIsNamedWithTheChoices) {
   EXPECT_NE(result.err.find("rendr: unknown command, did you mean \"render\"?; commands: "),
             std::string::npos)
       << result.err;
+}
+
+TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
+  const TemporaryFolder folder;
+  folder.write("a.json", kBallScene);
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "a command is required: bench, "},
+      {{"cache"}, "cache: a command is required: build, "},
+      {{"cache", "bild", "a.json"}, "cache: bild: unknown command, did you mean \"build\"?; "},
+      {{"render", "a.json", "--sppp=3"}, "render: --sppp=3: unknown flag, did you mean \"--spp\"?"},
+      {{"render", "--otput", "b.exr", "a.json"},
+       "render: --otput: unknown flag, did you mean \"--out"},
+      {{"render", "a.json", "--samples", "3"}, "--samples: unknown flag, did you mean \"--spp\"?"},
+      {{"render", "a.json", "-z"}, "render: -z: unknown flag; see \"morsel render --help\""},
+      {{"cache", "info", "--jsn"}, "cache info: --jsn: unknown flag, did you mean \"--json\"?"},
+      {{"cache", "verify", "a.topo", "a.json", "b.json"},
+       "cache verify: b.json: there is no place"},
+      {{"render"}, "render: SCENE is required; see \"morsel render --help\""},
+      {{"render", "a.json", "--spp", "x"}, "render: Could not convert: --spp = x"},
+      {{"render", "a.json", "--time-limit", "0s"}, "--time-limit 0s: must be a time above 0"},
+      {{"--frob"}, "--frob: unknown flag"}};
+  for (const auto& [arguments, message] : cases) {
+    const CommandResult result = run_morsel(arguments, {.folder = folder.path()});
+    EXPECT_EQ(result.code, 2) << message;
+    EXPECT_EQ(result.err.find("morsel: error: "), 0u) << result.err;
+    EXPECT_NE(result.err.find(message), std::string::npos) << message << '\n' << result.err;
+    EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+  }
+}
+
+// Scripts append theirs to a command that has them already.
+TEST(Command, OfAFlagGivenTwiceTheLastCounts) {
+  const TemporaryFolder folder;
+  folder.write("a.json", kCommandScene);
+  const CommandOptions here{.folder = folder.path()};
+  EXPECT_EQ(run_morsel({"render", "a.json", "--check", "--spp", "0", "--spp=3"}, here).code, 0);
+  EXPECT_EQ(run_morsel({"render", "a.json", "--check", "--spp=3", "--spp", "0"}, here).code, 2);
+  // Each --set is one of its own, and so is each of a list.
+  const CommandResult both = run_morsel(
+      {"render", "a.json", "--check", "--set", "render.spp=0", "--set", "render.max_depth=-1"},
+      here);
+  EXPECT_NE(both.out.find("/render/spp"), std::string::npos) << both.out;
+  EXPECT_NE(both.out.find("/render/max_depth"), std::string::npos) << both.out;
+}
+
+// While the libraries of the renderer are loaded, there is nobody yet who could tell of a signal.
+TEST(Command, AnInterruptBeforeTheProgramHasBegunIsToldToo) {
+  const TemporaryFolder folder;
+  folder.write("a.json", kCommandScene);
+  CommandOptions options{.folder = folder.path()};
+  for (const int signal : {SIGTERM, SIGINT}) {
+    options.then = [signal](int pid, const std::filesystem::path&) {
+      const std::filesystem::path program = "/proc/" + std::to_string(pid) + "/exe";
+      for (std::error_code error;
+           !std::filesystem::read_symlink(program, error).string().ends_with("morsel-render");)
+        if (error) return;
+      ::kill(pid, signal);
+    };
+    const CommandResult result =
+        run_morsel({"render", "a.json", "--spp", "100000", "--progress", "none"}, options);
+    EXPECT_EQ(result.code, 130);
+    EXPECT_NE(result.err.find("morsel: error: interrupted"), std::string::npos) << result.err;
+  }
 }
 
 TEST(Command, WrongUsageExitsWith2AndSaysSoOnStderr) {

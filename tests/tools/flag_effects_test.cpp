@@ -65,6 +65,8 @@ TEST_F(FlagEffectsTest, DenoiseWritesALayerOrSaysThatItCannot) {
   const bool layer = read_text(folder_ / "a.exr").find("denoised.R") != std::string::npos;
   const bool warned = result.err.find("no Open Image Denoise") != std::string::npos;
   EXPECT_NE(layer, warned) << result.err;
+  const std::string help = run({"render", "--help"}).out;
+  EXPECT_EQ(help.find("This build has no Open Image Denoise") != std::string::npos, warned);
   ASSERT_EQ(run({"render", "scene.json", "-o", "b.exr"}).code, 0);
   EXPECT_EQ(read_text(folder_ / "b.exr").find("denoised.R"), std::string::npos);
 }

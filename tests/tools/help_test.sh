@@ -8,6 +8,8 @@ fault() { echo "$1"; faults=$((faults + 1)); }
 
 "$source/tools/make_man.sh" "$morsel" "$renderer" | diff "$source/tools/man/morsel.1" - >/dev/null ||
   fault "the man page is not up to date: tools/make_man.sh $morsel $renderer >tools/man/morsel.1"
+grep -qxE '\.TH MORSEL 1 "[A-Z][a-z]+ 20[0-9]{2}" "Morsel [0-9]+\.[0-9]+\.[0-9]+" "User Commands"' "$source/tools/man/morsel.1" ||
+  fault "the head of the man page lacks date or version"
 # The page as it is read: one section for each command.
 page=$(sed 's/\\-/-/g; s/\\f[A-Z]//g' "$source/tools/man/morsel.1")
 subcommands() { "$morsel" "$@" --help | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z]*\) .*/\1/p'; }

@@ -145,6 +145,14 @@ TEST_F(RenderCommandTest, OutputsThatCannotBeWrittenFailFirst) {
   const CommandResult result = render({"-o", "gone/a.exr"});
   EXPECT_EQ(result.code, 1);
   EXPECT_NE(result.err.find("gone/a.exr"), std::string::npos) << result.err;
+  const CommandResult folder = render({"-o", "gone/"});
+  EXPECT_EQ(folder.code, 1);
+  EXPECT_NE(folder.err.find("-o gone/: no such folder; make it first"), std::string::npos)
+      << folder.err;
+  // A scene that is missing is wrong usage, whatever the disk is like.
+  const CommandResult scene = render({"second.json", "-o", "gone/"});
+  EXPECT_EQ(scene.code, 2);
+  EXPECT_NE(scene.err.find("second.json"), std::string::npos) << scene.err;
   EXPECT_EQ(folder_.count_files(), 1u);
 }
 

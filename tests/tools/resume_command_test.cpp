@@ -126,7 +126,11 @@ TEST_F(RenderInParts, ShardsMergeToTheSamePicture) {
       0);
   EXPECT_NE(morsel({"merge", "part_0.exr", "other.exr", "-o", "x.exr"}).err.find("another scene"),
             std::string::npos);
-  EXPECT_EQ(morsel({"merge", "part_0.exr", "part_0.exr", "-o", "x.exr"}).code, 1);
+  const CommandResult twice = morsel({"merge", "part_0.exr", "./part_0.exr", "-o", "x.exr"});
+  EXPECT_EQ(twice.code, 1);
+  EXPECT_NE(twice.err.find("./part_0.exr: is given twice"), std::string::npos) << twice.err;
+  std::filesystem::copy_file(folder_ / "part_0.exr", folder_ / "copy.exr");
+  EXPECT_EQ(morsel({"merge", "part_0.exr", "copy.exr", "-o", "x.exr"}).code, 1);
   EXPECT_EQ(morsel({"merge", "whole.exr", "-o", "x.exr"}).code, 1);
   EXPECT_FALSE(exists("x.exr"));
   const CommandResult missing = morsel({"merge", "part_0.exr", "-o", "x.exr"});

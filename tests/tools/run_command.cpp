@@ -73,7 +73,7 @@ CommandResult run_morsel(const std::vector<std::string>& arguments, const Comman
     if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(126);
     if (options.file_limit > 0) {
       const rlimit limit{options.file_limit, options.file_limit};
-      ::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+      ::signal(SIGXFSZ, SIG_DFL);  // whoever runs the tests may ignore it
       if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(126);
     }
     if (options.unprivileged && ::geteuid() == 0 && (::setgid(65534) != 0 || ::setuid(65534) != 0))

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/usage_errors.h"
+
+#include <fmt/format.h>
+
+#include <string_view>
+#include <vector>
+
+#include "hypertexture_geom/params/parameter.h"
+
+namespace morsel::tools {
+namespace {
+
+// Flags as other renderers call them, where the spelling does not lead to ours.
+constexpr struct {
+  std::string_view other, ours;
+} kFlagsElsewhere[] = {{"cropwindow", "crop"},     {"height", "resolution"},
+                       {"interactive", "preview"}, {"samples", "spp"},
+                       {"size", "resolution"},     {"timeout", "time-limit"},
+                       {"width", "resolution"},    {"verbosity", "log-level"}};
+
+// The command that the parser had come to: "cache build" of `morsel cache build --frob`.
+struct Reached {
+  const CLI::App* command;
+  std::string path;  // empty: none
+};
+Reached reached(const CLI::App& app) {
+  Reached at{&app, ""};
+  while (!at.command->get_subcommands().empty()) {
+    at.command = at.command->get_subcommands().back();
+    at.path += (at.path.empty() ? "" : " ") + at.command->get_name();
+  }
+  return at;
+}
+
+std::vector<std::string> subcommands_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands({})) names.push_back(sub->get_name());
+  return names;
+}
+
+std::string did_you_mean(const std::string& name) {
+  return name.empty() ? "" : fmt::format(", did you mean \"{}\"?", name);
+}
+
+// `word` as it was typed, with a value behind '='. Empty when no flag is like it.
+std::string nearest_flag(const CLI::App& command, std::string_view word) {
+  const std::string_view name = word.substr(0, word.find('=')).substr(2);
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_group().empty())
+      for (const std::string& each : option->get_lnames()) names.push_back(each);
+  for (const auto& [other, ours] : kFlagsElsewhere)
+    if (name == other)
+      for (const std::string& each : names)
+        if (each == ours) return "--" + each;
+  const std::string near = params::nearest_name(name, names);
+  return near.empty() ? "" : "--" + near;
+}
+
+// Of a word that the parser had no place for.
+std::string unexpected(const CLI::App& command, const std::string& word) {
+  if (word.starts_with("--") && word.size() > 2)
+    return fmt::format("{}: unknown flag{}", word, did_you_mean(nearest_flag(command, word)));
+  if (word.starts_with('-') && word.size() > 1) return fmt::format("{}: unknown flag", word);
+  const std::vector<std::string> names = subcommands_of(command);
+  // A command with commands below takes no other words, unless it is one in its own right.
+  if (names.empty() || command.get_require_subcommand_min() == 0)
+    return fmt::format("{}: there is no place for this argument", word);
+  return fmt::format("{}: unknown command{}; commands: {}", word,
+                     did_you_mean(params::nearest_name(word, names)), fmt::join(names, ", "));
+}
+
+std::string problem(const CLI::App& command, const CLI::ParseError& error) {
+  const std::vector<std::string> rest = command.remaining();
+  // Flags first: the word behind an unknown flag has been taken for an argument.
+  for (const std::string& word : rest)
+    if (word.starts_with('-') && word.size() > 1) return unexpected(command, word);
+  if (!rest.empty()) return unexpected(command, rest.front());
+  const std::vector<std::string> names = subcommands_of(command);
+  if (error.get_name() == "RequiredError" && command.get_require_subcommand_min() > 0)
+    return fmt::format("a command is required: {}", fmt::join(names, ", "));
+  return error.what();
+}
+
+}  // namespace
+
+void let_last_win(CLI::App& app) {
+  for (CLI::Option* option : app.get_options())
+    if (!option->get_positional() && option->get_items_expected_max() == 1 &&
+        option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw)
+      option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  for (CLI::App* command : app.get_subcommands({})) let_last_win(*command);
+}
+
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const auto [command, path] = reached(app);
+  const std::string text = problem(*command, error);
+  if (path.empty()) return fmt::format("{}; see \"morsel --help\"", text);
+  return fmt::format("{}: {}; see \"morsel {} --help\"", path, text, path);
+}
+
+}  // namespace morsel::tools
