@@ -84,7 +84,7 @@ export PKG_CONFIG_PATH=$folder/installed/lib/pkgconfig
 embree=$(pkg-config --variable=embree morsel)
 libraries=$(pkg-config --libs --cflags morsel)
 # shellcheck disable=SC2086
-quietly cc -std=c99 -O2 -DEMBREE_MAJOR="$embree" viewer/viewer.c $libraries "-lembree$embree" -lm -o plain_viewer
+quietly cc ${CFLAGS:-} -std=c99 -O2 -DEMBREE_MAJOR="$embree" viewer/viewer.c $libraries "-lembree$embree" -lm -o plain_viewer
 LD_LIBRARY_PATH=$(pkg-config --variable=libdir morsel) ./plain_viewer main rock.topo plain.ppm >/dev/null ||
   fail "the viewer that pkg-config made does not run"
 cmp main.ppm plain.ppm || fail "CMake's and pkg-config's viewers differ"
