@@ -212,7 +212,9 @@ TEST(LightGroups, AddUpToTheImage) {
       for (std::size_t g = 0; g < 3; ++g) {
         sum += all.group(g, x, y);
         light[g] += all.group(g, x, y).x;
-        if (g < 2) EXPECT_EQ(all.group(g, x, y), some.group(g, x, y));
+        if (g < 2) {
+          EXPECT_EQ(all.group(g, x, y), some.group(g, x, y));
+        }
       }
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], color[c], 1e-4f * color[c] + 1e-5f);
     }
