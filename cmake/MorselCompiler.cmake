@@ -21,7 +21,7 @@ add_library(morsel_options INTERFACE)
 target_compile_options(morsel_options INTERFACE
   -Wall -Wextra -Wshadow $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> -Wpedantic -ffp-contract=off -fno-math-errno
   # It takes every reference from a function that was also given a temporary for one to that temporary.
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-dangling-reference>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,13>>:-Wno-dangling-reference>
   $<$<BOOL:${MORSEL_WARNINGS_AS_ERRORS}>:-Werror>)
 # g++ 12's SLP vectoriser drops the rounding of a pair of doubles to float and back (`double(float(x))`
 # becomes x), which breaks whatever must see the rounded value; test: Compiler.RoundTripThroughFloatRounds.

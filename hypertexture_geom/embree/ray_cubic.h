@@ -32,11 +32,13 @@ struct RayCubic {
     lo = 3.0f * std::min(std::min(d0, d1), d2);
     hi = 3.0f * std::max(std::max(d0, d1), d2);
   }
+  // p'' at 0 and at 1; it is linear between.
+  float first_curvature() const { return 6.0f * (b[0] - 2.0f * b[1] + b[2]); }
+  float last_curvature() const { return 6.0f * (b[1] - 2.0f * b[2] + b[3]); }
   // Range of p'' on [0, 1].
   void curvatures(float& lo, float& hi) const {
-    const float a = b[0] - 2.0f * b[1] + b[2], c = b[1] - 2.0f * b[2] + b[3];
-    lo = 6.0f * std::min(a, c);
-    hi = 6.0f * std::max(a, c);
+    lo = std::min(first_curvature(), last_curvature());
+    hi = std::max(first_curvature(), last_curvature());
   }
   // The same polynomial on the two halves of [0, 1] (de Casteljau).
   void split(RayCubic& left, RayCubic& right) const {

@@ -93,9 +93,10 @@ std::string explain(const std::string& text, std::size_t read, const std::string
   const std::string expected = expected_by(message);
   // What follows is of the file: it may hold anything.
   const std::string what = message.substr(0, message.find("; last read"));
-  if (contains(what, "unexpected end of input"))
+  // Newer versions of the parser have a message of their own for a text without anything.
+  if (contains(what, "unexpected end of input") || text.empty())
     return position_text(text, text.size()) + "the file ends, expected " + expected;
-  if (text.empty() || read == 0) return what;  // cannot be: the parser has read something
+  if (read == 0) return what;  // cannot be: the parser has read something
   const std::size_t last = std::min(read, text.size()) - 1;
   const bool bad_word = contains(what, "invalid literal");
 

@@ -15,7 +15,7 @@ std::variant<Dielectric, ThinGlass> glass_of(const SurfaceParameters& p, bool ou
 }  // namespace
 
 V3f crossing_tint(const SurfaceParameters& p) {
-  if (p.absorbing) return V3f(1.0f);
+  if (!p.tints_crossings) return V3f(1.0f);
   return {std::sqrt(p.color.x), std::sqrt(p.color.y), std::sqrt(p.color.z)};
 }
 

@@ -21,7 +21,7 @@ struct SurfaceParameters {
   float sheen_alpha = 0.0f;
   float transmission = 0.0f;
   bool thin = false;
-  bool absorbing = false;  // its inside has a colour of its own: `color` does not tint crossings
+  bool tints_crossings = true;  // whether `color` is multiplied to what passes
   // Whether refraction changes radiance by the square of the index. Not where part of the light
   // passes straight through (partial opacity): what goes in by one way and out by the other would
   // keep the factor.

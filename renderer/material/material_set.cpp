@@ -13,6 +13,8 @@ float absorption(float transmittance, float distance) {
   return -std::log(std::max(transmittance, 1e-6f)) / distance;
 }
 
+bool absorbs_inside(const Material& m) { return m.attenuation_distance > 0.0f && !m.thin; }
+
 SurfaceParameters prepare(const Material& m) {
   SurfaceParameters p;
   p.type = m.type;
@@ -29,7 +31,7 @@ SurfaceParameters prepare(const Material& m) {
   p.sheen_alpha = square(m.sheen_roughness);
   p.transmission = m.transmission;
   p.thin = m.thin;
-  p.absorbing = m.attenuation_distance > 0.0f && !m.thin;
+  p.tints_crossings = !absorbs_inside(m) || m.color_tints_volume;
   p.scales_radiance = m.opaque();
   if (m.type == MaterialType::kDielectric || m.type == MaterialType::kPrincipled)
     p.tables = &interface_albedo(m.ior);
@@ -56,7 +58,8 @@ MaterialSet::MaterialSet(const Scene& scene) : scene_(scene), textures_(scene) {
       if (input != MaterialInput::kEmission && input != MaterialInput::kOpacity)
         p.textured = p.textured || m.textures[i] != kNoTexture;
     }
-    if (p.base.absorbing)
+    p.absorbs = absorbs_inside(m);
+    if (p.absorbs)
       for (int i = 0; i < 3; ++i)
         p.absorption[i] = absorption(m.attenuation_color[i], m.attenuation_distance);
     prepared_.push_back(p);

@@ -41,7 +41,7 @@ class MaterialSet {
 
   // What is left of light after a way of `length` through the inside of the material.
   V3f transmittance(std::uint32_t material, float length) const;
-  bool absorbs(std::uint32_t material) const { return prepared_[material].base.absorbing; }
+  bool absorbs(std::uint32_t material) const { return prepared_[material].absorbs; }
 
   // Of the textures, for people; empty without images.
   std::string texture_statistics() const {
@@ -57,7 +57,7 @@ class MaterialSet {
   struct Prepared {
     SurfaceParameters base;
     V3f absorption{0.0f};  // per unit of length
-    bool emits = false, opaque = true;
+    bool emits = false, opaque = true, absorbs = false;
     bool textured = false;  // by anything but emission and opacity
     bool emission_textured = false;
   };

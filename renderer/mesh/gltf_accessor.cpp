@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 namespace morsel::render {
 namespace {
@@ -120,7 +121,10 @@ std::vector<std::size_t> sparse_places(const tinygltf::Model& model, int index,
       from.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
     throw GltfError(fmt::format("accessor {} has sparse indices of component type {}", index,
                                 from.componentType));
-  if (accessor.sparse.count < 0 || from.byteOffset < 0 || accessor.sparse.values.byteOffset < 0)
+  // Signed in some versions of tinygltf and unsigned in others.
+  const auto negative = [](auto value) { return std::cmp_less(value, 0); };
+  if (negative(accessor.sparse.count) || negative(from.byteOffset) ||
+      negative(accessor.sparse.values.byteOffset))
     throw GltfError(fmt::format("accessor {}: a sparse count or offset is negative", index));
   const auto count = static_cast<std::size_t>(accessor.sparse.count);
   const View view = view_of(model, from.bufferView, static_cast<std::size_t>(from.byteOffset),

@@ -144,6 +144,7 @@ class Converter {
       const float distance = number(e, "attenuationDistance", 0.0);
       m.attenuation_distance = std::isfinite(distance) ? std::max(0.0f, distance) : 0.0f;
       m.attenuation_color = shares(color(e, "attenuationColor", V3f(1.0f)));
+      m.color_tints_volume = true;
     });
     with("KHR_materials_pbrSpecularGlossiness", [&](const auto& e) {
       m.color = shares(color(e, "diffuseFactor", V3f(1.0f)));

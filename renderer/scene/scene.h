@@ -58,6 +58,7 @@ struct Material {
   // through the inside. 0: nothing is absorbed, and `color` tints what passes.
   float attenuation_distance = 0.0f;
   Imath::V3f attenuation_color{1.0f};
+  bool color_tints_volume = false;  // `color` does so all the same, as glTF has it
 
   Imath::V3f emission{0.0f};       // radiance, on both sides
   std::uint32_t group = kNoGroup;  // of its light

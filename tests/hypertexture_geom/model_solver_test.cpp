@@ -155,6 +155,39 @@ TEST(ModelSolver, ExactCubicsNeedOneEvaluationAtMost) {
   EXPECT_EQ(any.evaluations, 0);
 }
 
+// The parabola of the model's curvature leaves an error of the third order.
+TEST(ModelSolver, CurvatureOfTheModelSavesEvaluations) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  int evaluations = 0;
+  constexpr int kCount = 1000;
+  for (int i = 0; i < kCount; ++i) {
+    const double bend = unit(random) - 0.5;
+    const Wavy g{{-0.2 - 0.4 * unit(random), 1.0 - bend, bend, 0.0}, 1e-4, 0.5, 6.3 * unit(random)};
+    const ModelResult r = solve(g, false, false);
+    ASSERT_TRUE(r.hit) << i;
+    EXPECT_NEAR(g.value(r.s), 0.0, 2.0 * kTolerance) << i;
+    evaluations += r.evaluations;
+  }
+  EXPECT_LE(evaluations, kCount + kCount / 50);
+}
+
+// One end within the band: F there tells whether there is a root, and one evaluation is enough.
+TEST(ModelSolver, MonotonePartsAreDecidedByTheirEnds) {
+  for (const double phase : {1.5, 4.7}) {  // the wave lifts the end, or lowers it
+    const Wavy g{{-1.0, 1.0, 0.0, 0.0}, 1e-3, 0.1, phase};
+    const ModelResult r = solve(g, false, false), any = solve(g, false, true);
+    EXPECT_EQ(r.hit, phase < 3.0);
+    EXPECT_EQ(any.hit, r.hit);
+    EXPECT_EQ(any.evaluations, 1);
+    EXPECT_LE(r.evaluations, r.hit ? 3 : 1);
+    const Wavy back{{0.0, 1.0, 0.0, 0.0}, 1e-3, 0.1, phase};  // the same of the start
+    const ModelResult s = solve(back, true, false);
+    EXPECT_EQ(s.hit, phase > 3.0);
+    EXPECT_LE(s.evaluations, s.hit ? 3 : 1);
+  }
+}
+
 TEST(ModelSolver, StrictLeavesOutARootAtTheStart) {
   const Wavy rising{{0.0, 1.0, 0.0, 0.0}, 0.0, 1.0, 0.0};
   EXPECT_TRUE(solve(rising, false, false).hit);

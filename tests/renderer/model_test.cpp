@@ -111,6 +111,7 @@ TEST_F(ModelTest, Extensions) {
   EXPECT_FALSE(m.thin);
   EXPECT_FLOAT_EQ(m.attenuation_distance, 2.0f);
   EXPECT_EQ(m.attenuation_color, V3f(0.5f, 0.6f, 0.7f));
+  EXPECT_TRUE(m.color_tints_volume);
   EXPECT_FLOAT_EQ(m.ior, 1.33f);
   EXPECT_EQ(m.sheen_color, V3f(0.1f, 0.2f, 0.3f));
   EXPECT_FLOAT_EQ(m.specular, 0.5f);
