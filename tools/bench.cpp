@@ -15,6 +15,7 @@
 #include "tools/bench_vs_mesh.h"
 #include "tools/commands.h"
 #include "tools/count_engines.h"
+#include "tools/loading_progress.h"
 #include "tools/output_file.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
@@ -138,9 +139,7 @@ int run(const Options& options, const Session& session) {
     throw UsageError("--engines: needs a scene with a hypertexture");
   const auto threads = limit_threads(options.threads);
   Reporter reporter(options.reporting);
-  execution.progress = [&](double fraction, const char* phase) {
-    reporter.progress(fraction, fmt::format("topology: {}", phase));
-  };
+  execution.progress = loading_progress(reporter);
   // First, so that a scene that can't be loaded says so at once.
   std::optional<render::LoadedScene> scene;
   if (camera) {

@@ -15,6 +15,7 @@
 #include "tools/checkpoint_writer.h"
 #include "tools/image_check.h"
 #include "tools/interrupt.h"
+#include "tools/loading_progress.h"
 #include "tools/preview.h"
 #include "tools/render_statistics.h"
 #include "tools/scene_options.h"
@@ -176,9 +177,7 @@ render::LoadedScene load_for_render(const RenderPlan& plan, Reporter& reporter,
   render::LoadOptions options;
   options.execution.cancel = &cancel;
   options.execution.max_bytes = bytes_of(default_max_memory());  // of labels that are missing
-  options.execution.progress = [&](double fraction, const char* phase) {
-    reporter.progress(fraction, fmt::format("topology: {}", phase));
-  };
+  options.execution.progress = loading_progress(reporter);
   options.warn = [&](const std::string& message) { reporter.warn(message); };
   options.check_image = check_image;
   render::LoadedScene loaded = render::load_scene(plan.scene, plan.overrides, options);

@@ -313,8 +313,8 @@ class SceneLoader {
     ray_options.keep = hypertexture.keep;
     ray_options.solver = hypertexture.solver;
     ray_options.membership = hypertexture.membership;
-    auto geometry = std::make_shared<const geom::HypertextureGeometry>(hypertexture.field,
-                                                                       stored.cache, ray_options);
+    auto geometry = std::make_shared<const geom::HypertextureGeometry>(
+        hypertexture.field, stored.cache, ray_options, options_.execution);
 
     HypertextureReport report;
     report.geometry = hypertexture.name;

@@ -15,7 +15,7 @@
 namespace morsel::render {
 
 struct LoadOptions {
-  topology::Execution execution;                 // of caches that have to be built
+  topology::Execution execution;                 // of caches that are built, and of bricks
   std::function<void(const std::string&)> warn;  // may be empty
   std::function<void(const std::filesystem::path&)> check_image;
   // ^ throws std::runtime_error when the image cannot be read; called early, so that minutes of

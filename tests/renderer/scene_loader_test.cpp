@@ -149,6 +149,16 @@ TEST_F(SceneLoaderTest, CancelStopsTheBuildAndLeavesNothing) {
   load_options.execution.cancel = &cancel;
   EXPECT_THROW(load_scene(small_scene(), {}, load_options), topology::Cancelled);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));
+  // Making bricks of labels that are there can take as long as the labels did.
+  load();
+  EXPECT_THROW(load_scene(small_scene(), {}, load_options), topology::Cancelled);
+  cancel = false;
+  bool bricks = false;
+  load_options.execution.progress = [&](double, const std::string& phase) {
+    bricks = bricks || phase == "bricks";
+  };
+  load_scene(small_scene(), {}, load_options);
+  EXPECT_TRUE(bricks);
 }
 
 // One wrong thing in an otherwise right scene: what --set writes, and what the message must hold.

@@ -117,6 +117,15 @@ TEST_F(RenderCommandTest, PixelsDependNeitherOnThreadsNorOnStreams) {
   EXPECT_NE(read_text(folder_ / "a.png"), read_text(folder_ / "c.png"));
 }
 
+TEST_F(RenderCommandTest, ProgressIsOfAllThatTakesLong) {
+  const CommandResult result = render({"--progress", "json"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  for (const char* phase : {"topology: labelling", "surface: bricks", "rendering"})
+    EXPECT_NE(result.err.find("\"phase\":\"" + std::string(phase) + "\""), std::string::npos)
+        << phase << '\n'
+        << result.err;
+}
+
 TEST_F(RenderCommandTest, CheckReportsEveryProblemAndRendersNothing) {
   EXPECT_EQ(render({"--check"}).out, "scene.json: valid\n");
   const CommandResult bad = render({"--check", "--spp", "0", "--keep", "most"});
