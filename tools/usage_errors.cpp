@@ -72,6 +72,9 @@ std::string unexpected(const CLI::App& command, const std::string& word) {
 }
 
 std::string problem(const CLI::App& command, const CLI::ParseError& error) {
+  // What is wrong with the value of a flag may say where the others belong.
+  const std::string_view said = error.what();
+  if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
   const std::vector<std::string> rest = command.remaining();
   // Flags first: the word behind an unknown flag has been taken for an argument.
   for (const std::string& word : rest)
