@@ -45,7 +45,7 @@ for target in "${targets[@]}"; do
   dictionary=()
   [[ -f tests/fuzz/$target.dict ]] && dictionary=("-dict=tests/fuzz/$target.dict")
   # Allocations are bounded, so that a declared size that nobody checked is found.
-  LSAN_OPTIONS=suppressions=tests/fuzz/lsan.supp UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -timeout=20 \
+  LSAN_OPTIONS=suppressions=tests/lsan.supp UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 "build/fuzz/bin/fuzz_$target" -max_total_time="$seconds" -timeout=20 \
     -rss_limit_mb=2048 -malloc_limit_mb=512 -max_len=16384 -print_final_stats=1 "${dictionary[@]}" \
     -artifact_prefix="build/fuzz/$target-" "build/fuzz/corpus/$target" "tests/data/fuzz/$target"
 done

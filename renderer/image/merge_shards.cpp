@@ -10,7 +10,9 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "renderer/image/denoise.h"
 #include "renderer/image/shard_layers.h"
@@ -69,6 +71,17 @@ void add_attributes(Imf::Header& to, const Imf::Header& from) {
   }
 }
 
+// By copying the others: Header::erase of OpenEXR 3.1 loses the memory of what it takes out.
+Imf::Header without_what_is_of_shards(const Imf::Header& header) {
+  static const std::set<std::string_view> kOfShards{"morsel:shardFormat", "morsel:shard",
+                                                    "morsel:sceneHash", "morsel:denoise",
+                                                    "morsel:lightGroups"};
+  Imf::Header rest;
+  for (auto i = header.begin(); i != header.end(); ++i)
+    if (!kOfShards.contains(i.name())) rest.insert(i.name(), i.attribute());
+  return rest;
+}
+
 }  // namespace
 
 MergedShards merge_shards(const std::vector<std::filesystem::path>& files,
@@ -97,18 +110,15 @@ MergedShards merge_shards(const std::vector<std::filesystem::path>& files,
   for (std::uint32_t i = 0; i < count; ++i)
     if (!seen.contains(i)) merged.missing.push_back(i);
 
-  Imf::Header header = whole_picture.header;
+  Imf::Header header = without_what_is_of_shards(whole_picture.header);
   if (const auto* exposure = header.findTypedAttribute<Imf::FloatAttribute>("morsel:exposure"))
     merged.exposure = exposure->value();
   header.channels() = Imf::ChannelList();
-  if (whole(header, "morsel:denoise") != 0 && !denoiser_version().empty()) {
+  if (whole(whole_picture.header, "morsel:denoise") != 0 && !denoiser_version().empty()) {
     merged.denoised = denoise(merged.film);
     header.insert("morsel:denoiser",
                   Imf::StringAttribute("Open Image Denoise " + denoiser_version()));
   }
-  for (const char* name : {"morsel:shardFormat", "morsel:shard", "morsel:sceneHash",
-                           "morsel:denoise", "morsel:lightGroups"})
-    header.erase(name);
   header.insert("morsel:complete",
                 Imf::IntAttribute(merged.missing.empty() && merged.unfinished.empty()));
   header.insert("morsel:fireflyPixels",
