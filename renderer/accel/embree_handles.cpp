@@ -42,7 +42,11 @@ Device::Device() : device_(rtcNewDevice(nullptr)) {
       this);
 }
 
-Device::~Device() { rtcReleaseDevice(device_); }
+Device::~Device() {
+  // Scenes that others retain keep Embree's device, which would go on to count here.
+  rtcSetDeviceMemoryMonitorFunction(device_, nullptr, nullptr);
+  rtcReleaseDevice(device_);
+}
 
 void Device::check(const std::string& doing) const {
   const RTCError error = rtcGetDeviceError(device_);
