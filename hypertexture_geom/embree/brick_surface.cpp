@@ -99,8 +99,8 @@ bool BrickSurface::by_model(const Brick& b, const RaySegment& ray, const Stretch
   const RayCubic p = restrict_to_ray(b.c, local_start, local_step);
   if (p.least() > b.value_error || p.greatest() < -b.value_error) return false;
 
-  const RayCubicError error{b.value_error, b.gradient_error * sum + 6.0f * b.rounding,
-                            b.hessian_error * sum * sum + 24.0f * b.rounding};
+  const RayCubicError error{b.value_error, b.gradient_error * sum + kSlopeRounding * b.rounding,
+                            b.hessian_error * sum * sum + kCurvatureRounding * b.rounding};
   const CompiledField<double>& field = bricks_.field(b);
   const Imath::V3d entry = stretch.entry - field.centre();
   const auto check_value = [&](double s, double g) {

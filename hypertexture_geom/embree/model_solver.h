@@ -206,7 +206,9 @@ class ModelSolver {
       if (0.5 * unsure * reach * reach + std::abs(rest) <= tolerance_ * flattest) {
         result.hit = true;
         result.s = next;
-        result.beyond = std::min(hi, next + tolerance_);
+        // Not `hi`, which may be the root itself: there F, rounded anew, may have either sign.
+        result.beyond =
+            std::min(static_cast<double>(from) + static_cast<double>(width), next + tolerance_);
         result.gradient_at = s;
         result.has_gradient = true;
         return true;

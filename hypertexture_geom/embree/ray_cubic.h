@@ -55,6 +55,13 @@ struct RayCubic {
 // its own six.
 inline constexpr float kRayCubicRounding = 200.0f * 0x1p-24f;
 
+// Rounding of slopes and of curvatures, as multiples of that of values, on all parts of up to five
+// halvings. `split` adds at most three roundings of the greatest coefficient a level, which the
+// value's 200 cover (170 + 15). At level l, in units of the whole, they weigh 2^(l+1) and 4^(l+1)
+// times as much: (170 + 186) * 6 of 200 for slopes, (170 + 4092) * 24 of 200 for curvatures, all
+// coefficients up to 1.03 times the sum.
+inline constexpr float kSlopeRounding = 12.0f, kCurvatureRounding = 600.0f;
+
 // The cubic `c` (coefficients in the order of topology::monomial, in coordinates of the brick,
 // where it spans [-1, 1]) along start + s * step, 0 <= s <= 1. Evaluates it at s = 0, 1/3, 2/3, 1
 // side by side and interpolates.

@@ -172,6 +172,17 @@ TEST(ModelSolver, CurvatureOfTheModelSavesEvaluations) {
   EXPECT_LE(evaluations, kCount + kCount / 50);
 }
 
+// The search for a next root must not start at this one, where F may round to either sign.
+TEST(ModelSolver, GoesOnBeyondARootThatItMetExactly) {
+  for (const double way : {1.0, -1.0}) {
+    const Wavy g{{-0.5 * way, way, 0.0, 0.0}, 0.0, 1.0, 0.0};
+    const ModelResult r = solve(g, false, false);
+    ASSERT_TRUE(r.hit);
+    EXPECT_EQ(r.s, 0.5);
+    EXPECT_GE(r.beyond, 0.5 + 0.5 * kTolerance);
+  }
+}
+
 // One end within the band: F there tells whether there is a root, and one evaluation is enough.
 TEST(ModelSolver, MonotonePartsAreDecidedByTheirEnds) {
   for (const double phase : {1.5, 4.7}) {  // the wave lifts the end, or lowers it
