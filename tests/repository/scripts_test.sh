@@ -32,7 +32,7 @@ for script in quickstart run_tests fuzz make_figures; do
 done
 
 # Packages. The stand-ins: every package but those in $MISSING is installed.
-mkdir -p "$folder/bin" "$folder/work"
+mkdir -p "$folder/bin" "$folder/clone"
 cat >"$folder/bin/dpkg-query" <<'TEXT'
 #!/usr/bin/env bash
 [[ " $MISSING " == *" ${!#} "* ]] && exit 1
@@ -52,7 +52,7 @@ install_with_missing() {
   : >"$CALLS"
   (
     export MISSING=$1 PATH=$folder/bin:$PATH
-    cd "$folder/work"
+    cd "$folder/clone"
     exit_code bash -c "set -euo pipefail; source '$root/tools/lib/steps.sh'
       source '$root/tools/lib/packages.sh'; install_packages" </dev/null
   )
@@ -88,12 +88,12 @@ done
 echo "MORSEL_WARNINGS_AS_ERRORS:BOOL=$setting" >build/release/CMakeCache.txt
 TEXT
 chmod +x "$folder/bin/cmake"
-touch -d '1 hour ago' "$folder/work/CMakePresets.json"
+touch -d '1 hour ago' "$folder/clone/CMakePresets.json"
 configure_calls() {
   : >"$CALLS"
   (
     export PATH=$folder/bin:$PATH
-    cd "$folder/work"
+    cd "$folder/clone"
     bash -c "set -euo pipefail; source '$root/tools/lib/steps.sh'; source '$root/tools/lib/build.sh'
       configure_and_build" >"$folder/output" 2>&1
   )
@@ -108,11 +108,11 @@ check "the setting reaches cmake" grep -q -- '-DMORSEL_WARNINGS_AS_ERRORS=ON' "$
 check "the same setting: left alone" test "$(configure_calls)" = 0
 unset MORSEL_WARNINGS_AS_ERRORS
 check "no setting keeps the folder's own" test "$(configure_calls)" = 0
-touch -d '1 hour' "$folder/work/CMakePresets.json"
+touch -d '1 hour' "$folder/clone/CMakePresets.json"
 check "changed presets: configured again" test "$(configure_calls)" = 1
 
 # A picture is made again when the program, the scene, an asset or the cache is newer, else not.
-cd "$folder/work"
+cd "$folder/clone"
 mkdir -p build/release/bin scenes/assets pictures
 touch -d '2 hours ago' build/release/bin/morsel build/release/bin/morsel-render scenes/default.json scenes/assets/bunny.obj \
   scenes/README.md scenes/rock.topo
@@ -147,8 +147,8 @@ figures() {
 }
 check "figures: exit 0" test "$(figures --output ../figures --morsel ../bin/morsel)" = 0
 check "figures: the output is relative to the caller" test -f "$folder/figures/figure1.jpg"
-check "figures: what is made on the way is beside it" grep -q -- "-o $folder/work/../figures/work/figure1_a08.exr" "$CALLS"
+check "figures: what is made on the way is beside it" grep -q -- "-o $folder/clone/../figures/${way:=work}/figure1_a08.exr" "$CALLS"
 check "figures: another folder for it" test "$(figures --output "$folder/figures" --morsel morsel --work on/the/way)" = 0
-check "figures: that is relative to the caller, too" grep -q -- "-o $folder/work/on/the/way/figure1_a08.exr" "$CALLS"
+check "figures: that is relative to the caller, too" grep -q -- "-o $folder/clone/on/the/way/figure1_a08.exr" "$CALLS"
 
 exit $((failures > 0))
