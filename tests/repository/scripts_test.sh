@@ -145,9 +145,10 @@ figures() {
   : >"$CALLS"
   PATH=$folder/bin:$PATH exit_code "$root/tools/make_figures.sh" --quick "$@" 1
 }
+intermediate=work  # in the folder of the output, unless --work says otherwise
 check "figures: exit 0" test "$(figures --output ../figures --morsel ../bin/morsel)" = 0
 check "figures: the output is relative to the caller" test -f "$folder/figures/figure1.jpg"
-check "figures: what is made on the way is beside it" grep -q -- "-o $folder/clone/../figures/${way:=work}/figure1_a08.exr" "$CALLS"
+check "figures: what is made on the way is beside it" grep -q -- "-o $folder/clone/../figures/$intermediate/figure1_a08.exr" "$CALLS"
 check "figures: another folder for it" test "$(figures --output "$folder/figures" --morsel morsel --work on/the/way)" = 0
 check "figures: that is relative to the caller, too" grep -q -- "-o $folder/clone/on/the/way/figure1_a08.exr" "$CALLS"
 
