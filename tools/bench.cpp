@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 
+#include "hypertexture_geom/params/parameter.h"
 #include "renderer/scene/load_scene.h"
 #include "renderer/scene/scene_json.h"
 #include "tools/bench_mixed.h"
@@ -187,6 +189,18 @@ int run(const Options& options, const Session& session) {
   return kDone;
 }
 
+// A scene may have any name; one that is not there and looks like a command below is that one.
+void refuse_misspelt_command(const CLI::App& command, const std::string& scene) {
+  if (std::filesystem::exists(scene)) return;
+  std::vector<std::string> names;
+  for (const CLI::App* sub : command.get_subcommands({})) names.push_back(sub->get_name());
+  const std::string near = params::nearest_name(scene, names);
+  if (!near.empty())
+    throw CLI::ParseError(
+        fmt::format("{}: no such file or command, did you mean \"{}\"?", scene, near),
+        CLI::ExitCodes::ExtrasError);
+}
+
 }  // namespace
 
 void add_bench(CLI::App& parent, Session& session) {
@@ -240,6 +254,7 @@ void add_bench(CLI::App& parent, Session& session) {
   command->callback([options, command, &session] {
     if (!command->get_subcommands().empty()) return;
     if (options->scene.scene.empty()) throw CLI::RequiredError("SCENE");
+    refuse_misspelt_command(*command, options->scene.scene);
     session.run = [options, &session] { return run(*options, session); };
   });
 }

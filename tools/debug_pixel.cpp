@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "renderer/integrator/trace_pixel.h"
@@ -17,10 +18,11 @@ std::string shown(const Imath::V3f& v) {
   return fmt::format("{:.7g} {:.7g} {:.7g}", v.x, v.y, v.z);
 }
 
-void print(const render::Scene& scene, std::size_t index, const render::TracedSample& traced) {
+void print(const render::Scene& scene, bool halves, const render::TracedSample& traced) {
   const render::PathSample& s = traced.sample;
-  std::cout << fmt::format("sample {}: at {:.4f},{:.4f}, radiance {}, alpha {:g}\n", index,
-                           traced.film.x, traced.film.y, shown(s.radiance), s.alpha);
+  std::cout << fmt::format("sample {}{}: at {:.4f},{:.4f}, radiance {}, alpha {:g}\n", traced.index,
+                           halves ? fmt::format(" of half {}", traced.half) : "", traced.film.x,
+                           traced.film.y, shown(s.radiance), s.alpha);
   if (s.depth < render::kFarDepth) {
     const bool instance = s.instance < scene.instances.size();
     std::cout << fmt::format(
@@ -54,13 +56,13 @@ int debug_pixel(const std::string& scene, const std::vector<render::Override>& o
   if (at[0] < 0 || at[1] < 0 || at[0] >= settings.width || at[1] >= settings.height)
     throw UsageError(fmt::format("--debug-pixel {}: the picture has {} x {} pixels", pixel,
                                  settings.width, settings.height));
-  const auto samples = render::trace_pixel(loaded.scene, at[0], at[1]);
-  Imath::V3f mean(0.0f);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    print(loaded.scene, i, samples[i]);
-    mean += samples[i].sample.radiance / static_cast<float>(samples.size());
-  }
-  std::cout << fmt::format("mean of {} samples: {}\n", samples.size(), shown(mean));
+  const render::TracedPixel traced = render::trace_pixel(loaded.scene, at[0], at[1]);
+  const auto& samples = traced.samples;
+  const bool halves = std::any_of(samples.begin(), samples.end(),
+                                  [](const render::TracedSample& s) { return s.half > 0; });
+  for (const render::TracedSample& sample : samples) print(loaded.scene, halves, sample);
+  std::cout << fmt::format("mean of {} samples{}: {}\n", samples.size(),
+                           halves ? ", of the halves' means" : "", shown(traced.pixel.color));
   return kDone;
 }
 

@@ -71,18 +71,33 @@ std::string unexpected(const CLI::App& command, const std::string& word) {
                      did_you_mean(params::nearest_name(word, names)), fmt::join(names, ", "));
 }
 
+// The flag of one value that has none: the parser's text begins with its name, "--spp: 1 required".
+const CLI::Option* without_value(const CLI::App& command, std::string_view said) {
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_positional() && option->get_items_expected_min() == 1 &&
+        said.starts_with(option->get_name() + ": 1 required"))
+      return option;
+  return nullptr;
+}
+
 std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   // What is wrong with the value of a flag may say where the others belong.
   const std::string_view said = error.what();
   if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
   const std::vector<std::string> rest = command.remaining();
-  // Flags first: the word behind an unknown flag has been taken for an argument.
+  // Flags first, all of them: the word behind an unknown flag has been taken for an argument.
+  std::vector<std::string> flags;
   for (const std::string& word : rest)
-    if (word.starts_with('-') && word.size() > 1) return unexpected(command, word);
+    if (word.starts_with('-') && word.size() > 1) flags.push_back(unexpected(command, word));
+  if (!flags.empty()) return fmt::format("{}", fmt::join(flags, "; "));
   if (!rest.empty()) return unexpected(command, rest.front());
   const std::vector<std::string> names = subcommands_of(command);
   if (error.get_name() == "RequiredError" && command.get_require_subcommand_min() > 0)
     return fmt::format("a command is required: {}", fmt::join(names, ", "));
+  if (error.get_name() == "ArgumentMismatch")
+    if (const CLI::Option* option = without_value(command, said))
+      return fmt::format("{}: a value is missing ({})", option->get_name(),
+                         option->get_type_name());
   return error.what();
 }
 

@@ -125,6 +125,11 @@ const std::vector<std::pair<std::string_view, std::string_view>>& synonyms() {
       {"uber", "principled"},
       {"pbr", "principled"},
       {"standardsurface", "principled"},
+      // Fields.
+      {"from", "start"},
+      {"a", "start"},
+      {"to", "end"},
+      {"b", "end"},
       // Geometries, instances and textures.
       {"obj", "mesh"},
       {"ply", "mesh"},

@@ -21,14 +21,15 @@ struct PixelRenderer::Half {
 
 PixelRenderer::PixelRenderer(const PathTracer& tracer, const Camera& camera,
                              const RenderSettings& settings, const MatteNames* mattes, Shard shard,
-                             NonFiniteReport& non_finite)
+                             NonFiniteReport& non_finite, const Watch* watch)
     : tracer_(tracer),
       camera_(camera),
       settings_(settings),
       mattes_(mattes),
       shard_(shard),
       non_finite_(non_finite),
-      filter_(settings.filter, settings.filter_radius) {}
+      filter_(settings.filter, settings.filter_radius),
+      watch_(watch) {}
 
 bool PixelRenderer::adaptive() const { return settings_.noise_target > 0.0f && settings_.spp >= 4; }
 
@@ -74,6 +75,9 @@ void PixelRenderer::add_samples(Half& half, std::uint32_t target, Shard::Range r
     const std::uint32_t index = range.begin + half.accumulator.samples();
     V2f offset;
     PathSample sample = trace(half, index, offset, tile.counts.rays);
+    if (watch_ != nullptr)
+      (*watch_)(half.which, index,
+                V2f(static_cast<float>(half.x), static_cast<float>(half.y)) + offset, sample);
     ++tile.counts.samples;
     if (sample.non_finite_bounce != PathSample::kAllFinite) {
       ++tile.counts.non_finite;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "renderer/film/film_sums.h"
 #include "renderer/film/matte_names.h"
 #include "renderer/film/pixel_filter.h"
@@ -21,8 +23,14 @@ namespace morsel::render {
 // counts only those of its own range.
 class PixelRenderer {
  public:
+  // Told of each sample that counts, after it was traced: of which half, its index there, its place
+  // in the image in pixels, and what it found, as the path tracer gave it.
+  using Watch =
+      std::function<void(std::uint32_t half, std::uint32_t index, V2f film, const PathSample&)>;
+
   PixelRenderer(const PathTracer& tracer, const Camera& camera, const RenderSettings& settings,
-                const MatteNames* mattes, Shard shard, NonFiniteReport& non_finite);
+                const MatteNames* mattes, Shard shard, NonFiniteReport& non_finite,
+                const Watch* watch = nullptr);
 
   // Ends with at least min(target, all) of the shard's own samples in each half, and where it began
   // with more, with those: pixels are the same whatever targets they went through.
@@ -49,6 +57,7 @@ class PixelRenderer {
   Shard shard_;
   NonFiniteReport& non_finite_;
   FilterSampler filter_;
+  const Watch* watch_;
 };
 
 }  // namespace morsel::render

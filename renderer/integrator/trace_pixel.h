@@ -12,13 +12,19 @@ namespace morsel::render {
 
 // One sample of a pixel, looked at closely.
 struct TracedSample {
-  V2f film{0.0f};  // place in the image, pixels
+  std::uint32_t half = 0, index = 0;  // adaptive sampling has two halves (PixelRenderer)
+  V2f film{0.0f};                     // place in the image, pixels
   PathSample sample;
   std::vector<RayLog::Record> rays;  // in the order in which Embree was asked
 };
 
-// The samples that render() gives the pixel without adaptive sampling, on the calling thread.
+struct TracedPixel {
+  std::vector<TracedSample> samples;
+  Pixel pixel;  // as in the film
+};
+
+// The samples that render() gives the pixel, on the calling thread, and what becomes of them.
 // Throws what render() throws, and std::invalid_argument for a pixel outside the image.
-std::vector<TracedSample> trace_pixel(const Scene& scene, int x, int y);
+TracedPixel trace_pixel(const Scene& scene, int x, int y);
 
 }  // namespace morsel::render

@@ -57,6 +57,30 @@ TEST_F(SurfaceQueryTest, BothCrossingsOfABall) {
   EXPECT_GT(both, 1000);
 }
 
+// Not even where F is exactly zero, as it is here at the one place that is asked about.
+TEST(SurfaceQuery, NothingIsHitOnIntervalsOfNoLength) {
+  const auto ball = std::make_shared<test::BallField>(Imath::V3d(0.0), 0.5);
+  ASSERT_EQ(ball->value(Imath::V3d(0.5, 0.0, 0.0)), 0.0);
+  topology::CertifyOptions options;
+  options.box = topology::dyadic_box({Imath::V3d(-1.0), Imath::V3d(1.0)});
+  options.min_depth = 5;
+  for (const Solver solver : {Solver::kModel, Solver::kSegment, Solver::kSphere}) {
+    GeometryOptions with;
+    with.solver = solver;
+    const HypertextureGeometry geometry(ball, test::certified_cache(*ball, options), with);
+    const test::EmbreeScene scene;
+    const SurfaceQuery query(geometry, scene.device());
+    for (const float t : {0.0f, 1.5f, 2.5f}) {
+      const Imath::V3f origin(0.5f + (t == 2.5f ? 1.5f : t), 0.0f, 0.0f),
+          direction(-1.0f, 0.0f, 0.0f);
+      EXPECT_TRUE(query.all_hits(origin, direction, t, t).empty()) << t;
+      EXPECT_FALSE(query.first_hit(origin, direction, t, t).has_value()) << t;
+      EXPECT_FALSE(query.any_hit(origin, direction, t, t)) << t;
+      EXPECT_EQ(query.all_hits(origin, direction, t).size(), t == 2.5f ? 0u : 1u) << t;
+    }
+  }
+}
+
 TEST_F(SurfaceQueryTest, IntervalIsRespected) {
   const Imath::V3f o(-3.0f, 0.0f, 0.0f), d(1.0f, 0.0f, 0.0f);
   const auto [t0, t1] = *ball_->crossings(Imath::V3d(o), Imath::V3d(d));

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "renderer/integrator/render.h"
+#include "renderer/integrator/trace_pixel.h"
 #include "tests/renderer/test_scenes.h"
 
 namespace morsel::render {
@@ -136,6 +137,46 @@ TEST(Render, ReportedPlacesDoNotDependOnThreads) {
   options.threads = 2;
   EXPECT_EQ(one, render(scene, options).statistics.non_finite_places);
   EXPECT_EQ(one.size(), NonFiniteReport::kMost);
+}
+
+// A pixel looked at closely is the pixel of the picture, by adaptive sampling and without.
+TEST(TracePixel, ListsTheSamplesOfThePicture) {
+  Scene scene = mixed_scene();
+  scene.settings.spp = 32;
+  for (const float target : {0.0f, 0.05f}) {
+    scene.settings.noise_target = target;
+    const RenderResult whole = render(scene, {});
+    std::size_t fewest = 1000, most = 0;
+    for (int y = 1; y < scene.settings.height; y += 7)
+      for (int x = 2; x < scene.settings.width; x += 9) {
+        const TracedPixel traced = trace_pixel(scene, x, y);
+        expect_identical(traced.pixel, whole.film.at(x, y), x, y);
+        const std::size_t n = traced.samples.size();
+        ASSERT_EQ(n, traced.pixel.samples);
+        fewest = std::min(fewest, n);
+        most = std::max(most, n);
+        // The mean of all halves, each of which is the mean of its samples.
+        Imath::V3d sums[2] = {Imath::V3d(0.0), Imath::V3d(0.0)};
+        std::uint32_t counts[2] = {0, 0};
+        for (const TracedSample& s : traced.samples) {
+          ASSERT_LT(s.half, 2u);
+          EXPECT_EQ(s.index, counts[s.half]++);
+          EXPECT_FALSE(s.rays.empty());
+          sums[s.half] += Imath::V3d(s.sample.radiance);
+        }
+        const double halves = target > 0.0f ? 2.0 : 1.0;
+        Imath::V3d mean(0.0);
+        for (int h = 0; h < static_cast<int>(halves); ++h)
+          mean += sums[h] / (halves * std::max(counts[h], 1u));
+        EXPECT_LT((mean - Imath::V3d(traced.pixel.color)).length(), 1e-5 * (1.0 + mean.length()));
+      }
+    EXPECT_EQ(most, 32u);
+    if (target > 0.0f) {
+      EXPECT_LT(fewest, 32u);
+    } else {
+      EXPECT_EQ(fewest, 32u);
+    }
+  }
 }
 
 // Light beyond what float holds: the sums overflow, and no pixel shows it.

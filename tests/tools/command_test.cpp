@@ -58,11 +58,16 @@ TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
        "render: --otput: unknown flag, did you mean \"--out"},
       {{"render", "a.json", "--samples", "3"}, "--samples: unknown flag, did you mean \"--spp\"?"},
       {{"render", "a.json", "-z"}, "render: -z: unknown flag; see \"morsel render --help\""},
+      {{"render", "a.json", "--foo", "1", "--otput=b.exr", "-z"},
+       "render: --foo: unknown flag; --otput=b.exr: unknown flag, did you mean \"--out"},
       {{"cache", "info", "--jsn"}, "cache info: --jsn: unknown flag, did you mean \"--json\"?"},
       {{"cache", "verify", "a.topo", "a.json", "b.json"},
        "cache verify: b.json: there is no place"},
       {{"render"}, "render: SCENE is required; see \"morsel render --help\""},
       {{"render", "a.json", "--spp", "x"}, "render: Could not convert: --spp = x"},
+      {{"render", "a.json", "--spp"}, "render: --spp: a value is missing (INT"},
+      {{"render", "a.json", "-o"}, "render: --output: a value is missing (TEXT"},
+      {{"bench", "topolgy"}, "bench: topolgy: no such file or command, did you mean \"topology\"?"},
       {{"render", "a.json", "--time-limit", "0s"}, "--time-limit 0s: must be a time above 0"},
       {{"--frob"}, "--frob: unknown flag"}};
   for (const auto& [arguments, message] : cases) {
