@@ -63,7 +63,7 @@ MixedBench bench_mixed(const render::SceneDocument& document, const render::Load
   render::CacheStore caches(document);
   std::uint64_t triangles = 0;
   for (const render::HypertextureReport& used : loaded.hypertextures) {
-    reporter.debug(used.geometry + ": meshing");
+    reporter.info(used.geometry + ": meshing");
     const geom::Hypertexture hypertexture =
         render::read_hypertexture(document, render::find_hypertexture(document, used.geometry));
     const auto cache = caches.get(hypertexture, execution,
@@ -81,7 +81,7 @@ MixedBench bench_mixed(const render::SceneDocument& document, const render::Load
   MixedBench bench;
   std::vector<double> ratios, rates[2];
   for (int i = 0; i < small.repetitions; ++i) {
-    reporter.debug("rendering, with hypertextures and with meshes");
+    reporter.info("rendering, with hypertextures and with meshes");
     const render::RenderResult ours = render_once(mixed, 0, execution);
     const render::RenderResult theirs = render_once(meshes, 0, execution);
     rates[0].push_back(samples_per_second(ours.statistics));

@@ -19,14 +19,14 @@ nlohmann::json bench_renderer(const render::LoadedScene& loaded, const SmallRend
   render::Scene scene = loaded.scene;
   make_small(scene, small);
 
-  reporter.debug("recording the rays of a render");
+  reporter.info("recording the rays of a render");
   render::RayLog log;
   render::render(scene);
   log.stop();
 
   std::vector<double> efficiency, render_seconds, replay_seconds;
   for (int i = 0; i < small.repetitions; ++i) {
-    reporter.debug("rendering, and replaying its rays");
+    reporter.info("rendering, and replaying its rays");
     double start = processor_seconds();
     {
       const render::SceneAccel accel(scene);

@@ -47,7 +47,7 @@ nlohmann::json bench_scaling(const render::LoadedScene& loaded, const SmallRende
   std::vector<std::vector<double>> rates(counts.size());
   for (int i = 0; i < small.repetitions; ++i)
     for (std::size_t k = 0; k < counts.size(); ++k) {
-      reporter.debug(fmt::format("rendering with {} threads", counts[k]));
+      reporter.info(fmt::format("rendering with {} threads", counts[k]));
       rates[k].push_back(samples_per_second(render_once(scene, counts[k], execution).statistics));
     }
   nlohmann::json rows = nlohmann::json::array();

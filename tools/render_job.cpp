@@ -38,6 +38,8 @@ class Job {
     auto start = Clock::now();
     loaded_ = load_for_render(plan_, reporter_, cancel_);
     report_.load_seconds = seconds_since(start);
+    if (denoises() && render::denoiser_version().empty())
+      reporter_.warn("this build has no Open Image Denoise: no denoised layer will be written");
     render::FilmSums sums(render::FilmLayout(scene().settings, scene().light_groups.size()),
                           plan_.shard);
     const nlohmann::json identity = identity_of();
@@ -137,11 +139,9 @@ class Job {
   }
 
   // A shard is not the picture: merging denoises that.
+  bool denoises() const { return scene().settings.denoise && plan_.shard.count == 1; }
   void denoise(render::RenderResult& picture) {
-    if (!scene().settings.denoise || plan_.shard.count > 1) return;
-    if (render::denoiser_version().empty())
-      reporter_.warn("this build has no Open Image Denoise: no denoised layer is written");
-    else
+    if (denoises() && !render::denoiser_version().empty())
       picture.denoised = render::denoise(picture.film);
   }
 

@@ -10,6 +10,7 @@
 
 namespace morsel::tools {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON throws nothing.
 struct RenderedScene {
   nlohmann::json statistics;                 // see statistics_json(); null unless they are wanted
   std::vector<std::filesystem::path> files;  // pictures that were written

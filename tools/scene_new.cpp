@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The parts that change are {0} and {1}: the mesh as a geometry and as an instance.
+// The parts that change are {0} and {1}, the mesh as a geometry and as an instance, and {2}, what
+// there is.
 constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this one are allowed.
 //   morsel scene check FILE            says everything that is wrong with it
 //   morsel render FILE -o picture.exr  renders it, and picture.png
@@ -25,7 +26,7 @@ constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this on
 // Lengths are units of your own, angles degrees, colours scene-linear Rec. 709; y is up.
 {{
   "morsel": 1,  // version of the format
-  "description": "A boulder of hypertexture on the ground",
+  "description": "{2}",
 
   "camera": {{ "position": [0, 1.6, 6], "look_at": [0, 0.9, 0], "vertical_fov": 35 }},
   "render": {{
@@ -128,7 +129,10 @@ int run(const Options& options) {
     mesh = describe_mesh(fs::proximate(fs::absolute(options.mesh), folder).string(), options.mesh);
   }
   OutputFile out(file);
-  out.stream() << fmt::format(kStarter, mesh.geometry, mesh.instance);
+  out.stream() << fmt::format(
+      kStarter, mesh.geometry, mesh.instance,
+      mesh.geometry.empty() ? "A boulder of hypertexture on the ground"
+                            : "A boulder of hypertexture on the ground, and a mesh beside it");
   out.commit();
   std::cout << file.string() << '\n';
   return kDone;

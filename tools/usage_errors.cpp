@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -50,11 +51,17 @@ std::string nearest_flag(const CLI::App& command, std::string_view word) {
   for (const CLI::Option* option : command.get_options())
     if (!option->get_group().empty())
       for (const std::string& each : option->get_lnames()) names.push_back(each);
+  // By its own name, by that of others, or nearly one of the two.
+  const std::size_t own = names.size();
   for (const auto& [other, ours] : kFlagsElsewhere)
-    if (name == other)
-      for (const std::string& each : names)
-        if (each == ours) return "--" + each;
-  const std::string near = params::nearest_name(name, names);
+    if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(own), ours) !=
+        names.begin() + static_cast<std::ptrdiff_t>(own))
+      names.emplace_back(other);
+  std::string near = std::find(names.begin(), names.end(), name) != names.end()
+                         ? std::string(name)
+                         : params::nearest_name(name, names);
+  for (const auto& [other, ours] : kFlagsElsewhere)
+    if (near == other) near = ours;
   return near.empty() ? "" : "--" + near;
 }
 

@@ -203,7 +203,10 @@ void SectionFile::read_directory(const SectionFormat& format) {
         fmt::format("{}: not a {}: {} bytes are fewer than its header has", name_, kind, size_));
   read_at(0, std::as_writable_bytes(std::span(&header, 1)));
   if (std::memcmp(header.magic, format.magic, sizeof header.magic) != 0)
-    throw CacheError(fmt::format("{}: not a {}: wrong first bytes", name_, kind));
+    throw CacheError(fmt::format("{}: not a {}: wrong first bytes{}", name_, kind,
+                                 header.magic[0] == '{' || header.magic[0] == '/'
+                                     ? ", those of a JSON file or a scene"
+                                     : ""));
   if (header.version != format.version)
     throw CacheError(
         fmt::format("{}: version {} of the format of a {}; this program reads version {}", name_,

@@ -15,6 +15,7 @@
 // What the handles of the C API stand for.
 namespace morsel::c_api {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): that of Hypertexture.
 struct FieldObject {
   static constexpr Kind kKind = Kind::kField;
   geom::Hypertexture hypertexture;

@@ -47,6 +47,7 @@ std::shared_ptr<const Field> field_from_json(const nlohmann::json& json,
                                              const params::Place& place);
 
 // A hypertexture geometry of a scene: the field, the box that its topology is computed in, and how.
+// NOLINTNEXTLINE(bugprone-exception-escape): what clang-tidy takes for throwing are assertions.
 struct Hypertexture {
   std::string name;
   std::shared_ptr<const Field> field;

@@ -120,7 +120,8 @@ class LinearImage final : public OIIO::ImageInput {
   // Down to a single texel.
   bool seek_subimage(int subimage, int miplevel) override {
     const lock_guard lock(*this);
-    const int levels = std::bit_width(static_cast<unsigned>(std::max(width_, height_)));
+    const auto levels =
+        static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width_, height_))));
     if (subimage != 0 || miplevel < 0 || miplevel >= levels) return false;
     level_ = miplevel;
     m_spec.width = m_spec.full_width = std::max(1, width_ >> miplevel);

@@ -24,7 +24,7 @@ exit_code() {
 }
 
 # Options.
-for script in quickstart run_tests fuzz make_figures; do
+for script in quickstart run_tests fuzz make_figures tsan static_analysis; do
   check "$script --help exits 0" test "$(exit_code "$root/tools/$script.sh" --help)" = 0
   check "$script --help shows the usage" grep -q "^Usage: tools/$script.sh" "$folder/output"
   check "$script: unknown option exits 2" test "$(exit_code "$root/tools/$script.sh" --frobnicate)" = 2

@@ -206,7 +206,7 @@ TEST_F(BenchCommandTest, ABrowserShowsThePage) {
   const std::string probe = folder_.write("probe.html", text).string(),
                     shown = (folder_ / "shown.html").string();
   const std::string command = "HOME='" + folder_.path().string() +
-                              "' timeout 60 chromium --headless --no-sandbox --disable-gpu "
+                              "' timeout 240 chromium --headless --no-sandbox --disable-gpu "
                               "--dump-dom 'file://" +
                               probe + "' >'" + shown + "' 2>/dev/null";
   ASSERT_EQ(std::system(command.c_str()), 0) << command;

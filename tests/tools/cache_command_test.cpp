@@ -46,6 +46,9 @@ TEST_F(CacheCommandTest, InterruptInTheMiddleExitsWith130AndLeavesNothing) {
     const CommandResult result =
         run_morsel({"cache", "build", scene, "-o", cache_, "--threads", "2"}, options);
     EXPECT_EQ(result.code, 130) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(cache_));
+    // What the next build goes on from is kept, once it took some seconds: on a busy machine.
+    std::filesystem::remove(cache_ + ".partial");
     EXPECT_EQ(folder_.count_files(), 1u);  // the scene
   }
 }
@@ -146,6 +149,8 @@ TEST_F(CacheCommandTest, ASolidOutOfBoundsIsAWarningWithThePlace) {
 
 TEST_F(CacheCommandTest, DamagedCachesFailAndAreNamed) {
   EXPECT_EQ(run_morsel({"cache", "info", cache_}).code, 1);
+  EXPECT_NE(run_morsel({"cache", "info", scene_}).err.find("those of a JSON file or a scene"),
+            std::string::npos);
   ASSERT_EQ(build({"-o", cache_}).code, 0);
   std::filesystem::resize_file(cache_, std::filesystem::file_size(cache_) / 2);
   const CommandResult info = run_morsel({"cache", "info", cache_, "--json"});

@@ -57,6 +57,7 @@ TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
       {{"render", "--otput", "b.exr", "a.json"},
        "render: --otput: unknown flag, did you mean \"--out"},
       {{"render", "a.json", "--samples", "3"}, "--samples: unknown flag, did you mean \"--spp\"?"},
+      {{"render", "a.json", "--sampels", "3"}, "--sampels: unknown flag, did you mean \"--spp\"?"},
       {{"render", "a.json", "-z"}, "render: -z: unknown flag; see \"morsel render --help\""},
       {{"render", "a.json", "--foo", "1", "--otput=b.exr", "-z"},
        "render: --foo: unknown flag; --otput=b.exr: unknown flag, did you mean \"--out"},

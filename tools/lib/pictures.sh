@@ -18,16 +18,17 @@ newer_inputs() {
     \( -path "$MORSEL" -o -path "$MORSEL-render" -o -path "$scene" -o -path '*/assets/*' -o -name '*.topo' \)
 }
 
-# render_picture SCENE FILE.exr: unless the picture is newer than everything it is made from.
+# render_picture SCENE FILE.exr [FLAG]...: unless the picture is newer than everything it is made from.
 render_picture() {
   local scene=$1 picture=$2
+  shift 2
   begin_step "Render"
   if [[ -f $picture && -z $(newer_inputs "$scene" "$picture") ]]; then
     end_step "$picture is up to date"
     return
   fi
   mkdir -p "$(dirname "$picture")"
-  "$MORSEL" render "$scene" -o "$picture"
+  "$MORSEL" render "$scene" -o "$picture" "$@"
   end_step
 }
 

@@ -29,6 +29,7 @@
  */
 #pragma once
 
+/* It is C too: NOLINTBEGIN(modernize-use-using,modernize-deprecated-headers) */
 #include <stddef.h>
 #include <stdint.h>
 
@@ -282,3 +283,4 @@ MORSEL_API MorselResult morsel_query_any_hit(MorselQuery query, const MorselRay*
 #ifdef __cplusplus
 }
 #endif
+/* NOLINTEND(modernize-use-using,modernize-deprecated-headers) */
