@@ -60,9 +60,7 @@ nlohmann::json describe(const BenchSurface& s) {
 
 nlohmann::json bench_vs_mesh(const geom::Hypertexture& hypertexture, const VsMeshOptions& options,
                              const topology::Execution& execution, Reporter& reporter) {
-  const auto say = [&](const std::string& what) {
-    reporter.info(hypertexture.name + ": " + what);
-  };
+  const auto say = [&](const std::string& what) { reporter.info(hypertexture.name + ": " + what); };
 
   say("labelling");
   double start = processor_seconds();
