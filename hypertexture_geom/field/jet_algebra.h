@@ -31,7 +31,7 @@ inline Jet operator*(double factor, Jet a) {
   return a;
 }
 
-inline Jet operator*(Jet a, double factor) { return factor * a; }
+inline Jet operator*(const Jet& a, double factor) { return factor * a; }
 inline Jet operator-(const Jet& a) { return -1.0 * a; }
 inline Jet operator-(const Jet& a, const Jet& b) { return a + -b; }
 

@@ -19,6 +19,7 @@ template <class Entry>
 const Entry& entry_of(const std::vector<Entry>& entries, const nlohmann::json& object,
                       const params::Place& place) {
   std::vector<std::string> names;
+  names.reserve(entries.size());
   for (const Entry& e : entries) names.push_back(e.declaration.name);
   const std::string type = params::type_of(object, names, place);
   for (const Entry& e : entries)

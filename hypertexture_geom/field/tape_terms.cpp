@@ -123,7 +123,7 @@ TapeValue TapeBuilder::impulses(const ImpulseList& list) {
   if (list.empty()) return constant(0.0);
   Step s = step(TapeOp::kImpulses);
   s.count = static_cast<std::uint32_t>((list.size() + kTapeBlock - 1) / kTapeBlock);
-  constants_.resize(s.constants + s.count * 5 * kTapeBlock, 0.0);
+  constants_.resize(s.constants + std::size_t{s.count} * 5 * kTapeBlock, 0.0);
   Local l;
   double sum = 0.0, slope_sum = 0.0;
   const double longest = std::max({scope_.reach.x, scope_.reach.y, scope_.reach.z});

@@ -118,7 +118,7 @@ DerivativeBounds3 TensorPolynomial::economize(const Imath::V3d& scale,
   double t[kTerms][kTerms][kStride];
   for (int i = 0; i < kTerms; ++i)
     for (int j = 0; j < kTerms; ++j) std::copy(c_[i][j].c, c_[i][j].c + kStride, t[i][j]);
-  for (int j = 0; j < kTerms; ++j) to_basis(&t[0][j][0], kTerms * kStride);
+  for (int j = 0; j < kTerms; ++j) to_basis(&t[0][j][0], std::ptrdiff_t{kTerms} * kStride);
   for (int i = 0; i < kTerms; ++i) to_basis(&t[i][0][0], kStride);
   for (auto& plane : t) {
     // Along z the terms are neighbours: turn the plane over, convert, turn back.

@@ -71,6 +71,7 @@ class Collector {
     } else if (!p.kind.empty()) {
       const std::vector<TypedDeclaration> known = kinds_(p.kind);
       std::vector<std::string> types;
+      types.reserve(known.size());
       for (const TypedDeclaration& k : known) types.push_back(k.type);
       std::string type;
       if (!attempt([&] { type = type_of(value, types, place); })) return;

@@ -40,8 +40,10 @@ GeometryHandle create_mesh_geometry(const Device& device, const TriangleMesh& me
       rtcSetNewGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                               sizeof(Imath::V3i), mesh.triangles.size());
   device.check(fmt::format("buffers of mesh '{}'", name));
+  // NOLINTBEGIN(bugprone-undefined-memory-manipulation): Imath's vectors are their numbers.
   std::memcpy(positions, mesh.positions.data(), vertices * sizeof(V3f));
   std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(Imath::V3i));
+  // NOLINTEND(bugprone-undefined-memory-manipulation)
   geom::accept_all_rays(geometry.get());
   rtcCommitGeometry(geometry.get());
   device.check(fmt::format("mesh '{}'", name));

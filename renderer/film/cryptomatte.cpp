@@ -9,7 +9,7 @@
 namespace morsel::render::cryptomatte {
 
 std::uint32_t murmur3(std::string_view text) {
-  constexpr std::uint32_t c1 = 0xcc9e2d51u, c2 = 0x1b873593u;
+  constexpr std::uint32_t kFirst = 0xcc9e2d51u, kSecond = 0x1b873593u;
   const auto byte = [&](std::size_t i) {
     return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i]));
   };
@@ -18,12 +18,12 @@ std::uint32_t murmur3(std::string_view text) {
   for (std::size_t b = 0; b < blocks; ++b) {
     std::uint32_t k =
         byte(4 * b) | byte(4 * b + 1) << 8 | byte(4 * b + 2) << 16 | byte(4 * b + 3) << 24;
-    k = std::rotl(k * c1, 15) * c2;
+    k = std::rotl(k * kFirst, 15) * kSecond;
     h = std::rotl(h ^ k, 13) * 5u + 0xe6546b64u;
   }
   std::uint32_t tail = 0;
   for (std::size_t i = text.size(); i > 4 * blocks; --i) tail = tail << 8 | byte(i - 1);
-  if (text.size() % 4 != 0) h ^= std::rotl(tail * c1, 15) * c2;
+  if (text.size() % 4 != 0) h ^= std::rotl(tail * kFirst, 15) * kSecond;
   h ^= static_cast<std::uint32_t>(text.size());
   h = (h ^ (h >> 16)) * 0x85ebca6bu;
   h = (h ^ (h >> 13)) * 0xc2b2ae35u;

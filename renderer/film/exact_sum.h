@@ -12,8 +12,7 @@
 // interrupted, or put together from shards, has the same bits as one that was not.
 namespace morsel::render {
 
-// NOLINTNEXTLINE(modernize-use-using): only a typedef can be an extension that -Wpedantic lets
-// pass.
+// NOLINTNEXTLINE(modernize-use-using): -Wpedantic lets a typedef pass alone.
 __extension__ typedef __int128 Int128;
 
 // x in steps of 2^-64, rounded towards 0; |x| < 2^63. Conversions to 128 bits are calls.

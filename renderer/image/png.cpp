@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -18,7 +19,7 @@
 namespace morsel::render {
 namespace {
 
-std::uint8_t to_byte(float x) { return static_cast<std::uint8_t>(x * 255.0f + 0.5f); }
+std::uint8_t to_byte(float x) { return static_cast<std::uint8_t>(std::lround(x * 255.0f)); }
 
 }  // namespace
 

@@ -109,6 +109,7 @@ void each_array(const FilmLayout& layout, Visit&& visit) {
 
 std::vector<ExrWords> blank_planes(const std::vector<std::string>& names, std::size_t pixels) {
   std::vector<ExrWords> planes;
+  planes.reserve(names.size());
   for (const std::string& name : names)
     planes.push_back({name, std::vector<std::uint32_t>(pixels, 0u)});
   return planes;
@@ -191,7 +192,7 @@ class Reader {
   std::vector<ExrWords> read_planes(const std::vector<std::string>& names) {
     std::vector<ExrWords> planes = blank_planes(names, pixel_count(shard_.sums->layout()));
     const Imath::Box2i data = shard_.header.dataWindow();
-    const auto width = static_cast<std::size_t>(data.max.x - data.min.x + 1);
+    const auto width = static_cast<std::size_t>(data.max.x - data.min.x) + 1;
     Imf::FrameBuffer frame;
     for (ExrWords& p : planes) {
       const Imf::Channel* channel = shard_.header.channels().findChannel(p.name);

@@ -16,6 +16,7 @@ struct NonFinitePlace {
   std::uint32_t half = 0;    // of adaptive sampling, 0 without
   std::uint32_t sample = 0;  // in the half's sequence
   std::uint32_t bounce = 0;  // bounces of the path before it
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer.
   auto operator<=>(const NonFinitePlace&) const = default;
 
   // "pixel 12,7, sample 3, after bounce 1"

@@ -25,8 +25,8 @@ class PixelRenderer {
  public:
   // Told of each sample that counts, after it was traced: of which half, its index there, its place
   // in the image in pixels, and what it found, as the path tracer gave it.
-  using Watch =
-      std::function<void(std::uint32_t half, std::uint32_t index, V2f film, const PathSample&)>;
+  using Watch = std::function<void(std::uint32_t half, std::uint32_t index, const V2f& film,
+                                   const PathSample&)>;
 
   PixelRenderer(const PathTracer& tracer, const Camera& camera, const RenderSettings& settings,
                 const MatteNames* mattes, Shard shard, NonFiniteReport& non_finite,

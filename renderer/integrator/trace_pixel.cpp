@@ -28,7 +28,7 @@ TracedPixel trace_pixel(const Scene& scene, int x, int y) {
   TracedPixel traced;
   RayLog log;
   std::size_t seen = 0;
-  const PixelRenderer::Watch watch = [&](std::uint32_t half, std::uint32_t index, V2f film,
+  const PixelRenderer::Watch watch = [&](std::uint32_t half, std::uint32_t index, const V2f& film,
                                          const PathSample& sample) {
     const auto& records = log.own_records();
     traced.samples.push_back(

@@ -87,7 +87,8 @@ EnvironmentImage sky_image(const SkyLight& sky) {
           rgb_of(model.value(1, w.y, gamma, cos_gamma), model.value(2, w.y, gamma, cos_gamma),
                  std::max(0.0, model.value(0, w.y, gamma, cos_gamma))) *
           0.1f;
-      image.texels[static_cast<std::size_t>(row * kWidth + column)] = color;
+      image.texels[static_cast<std::size_t>(row) * kWidth + static_cast<std::size_t>(column)] =
+          color;
       irradiance += V3d(color) * (w.y * solid_angle);
     }
   }

@@ -12,6 +12,7 @@ namespace morsel::render {
 // One value of a scene file, replaced before the file is read. `path` has keys separated by dots;
 // an element of an array is named by its "name" (an instance without one by its geometry's) or by
 // its index: "geometries.rock.keep", "geometries.0.field.modulations.0.seed".
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON throws nothing.
 struct Override {
   std::string path;
   nlohmann::json value;
