@@ -13,6 +13,7 @@
 
 namespace morsel::tools {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): moving JSON throws nothing.
 struct MixedBench {
   nlohmann::json result;
   std::vector<BenchPicture> pictures;  // the scene with hypertextures, and with meshes

@@ -3,9 +3,9 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
-#include <time.h>
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <random>
 

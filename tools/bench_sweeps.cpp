@@ -68,6 +68,7 @@ nlohmann::json bench_layers(const std::string& scene,
                             const topology::Execution& execution, Reporter& reporter) {
   nlohmann::json rows = nlohmann::json::array();
   for (int layers = 1; layers <= most; ++layers) {
+    reporter.info(fmt::format("labelling and rendering with {} of {} layers", layers, most));
     const TemporaryCache cache(layers);
     const std::string source = fmt::format("--layers {}", most);
     std::vector<render::Override> changed = overrides;

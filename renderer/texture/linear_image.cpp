@@ -148,7 +148,7 @@ class LinearImage final : public OIIO::ImageInput {
     const std::size_t pixel = channels * m_spec.format.size();
     auto* out = static_cast<char*>(data);
     const int columns = std::min(kTile, level.width - x), rows = std::min(kTile, level.height - y);
-    if (columns < kTile || rows < kTile) std::memset(out, 0, kTile * kTile * pixel);
+    if (columns < kTile || rows < kTile) std::memset(out, 0, std::size_t{kTile} * kTile * pixel);
     for (int row = 0; row < rows; ++row) {
       const std::size_t first =
           static_cast<std::size_t>(y + row) * static_cast<std::size_t>(level.width) +

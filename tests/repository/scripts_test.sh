@@ -31,6 +31,9 @@ for script in quickstart run_tests fuzz make_figures tsan static_analysis; do
   check "$script names the unknown option" grep -q -- "unknown option --frobnicate" "$folder/output"
 done
 
+check "static_analysis: -j without a number exits 2" test "$(exit_code "$root/tools/static_analysis.sh" -j abc)" = 2
+check "tsan: --tbb-source without a folder exits 2" test "$(exit_code "$root/tools/tsan.sh" --tbb-source)" = 2
+
 # Packages. The stand-ins: every package but those in $MISSING is installed.
 mkdir -p "$folder/bin" "$folder/clone"
 cat >"$folder/bin/dpkg-query" <<'TEXT'

@@ -48,8 +48,8 @@ configure_and_build() {
   fi
 
   begin_step "Build"
-  if [[ ! -e $BUILD_DIR/bin/morsel ]]; then
-    echo "Everything has to be compiled: five to ten minutes on two processors."
+  if [[ ! -e $BUILD_DIR/bin/morsel && ${#targets[@]} -gt 0 ]]; then
+    echo "The programs have to be compiled: five to ten minutes on two processors."
   fi
   cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
   end_step
