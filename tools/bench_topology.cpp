@@ -117,6 +117,7 @@ TopologyBench bench_topology(const geom::Hypertexture& hypertexture, int resolut
   const auto begin = Clock::now();
   tbb::parallel_for(0, blocks * blocks * blocks, [&](int b) {
     execution.check_cancel();
+    // NOLINTNEXTLINE(bugprone-integer-division): whole numbers are meant.
     const Imath::V3d place(b % blocks, b / blocks % blocks, b / (blocks * blocks));
     positive += evaluate_block(*hypertexture.field, box.min + step * place * double{kBlock}, step);
   });

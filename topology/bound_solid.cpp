@@ -36,6 +36,7 @@ void sample(const ScalarField& field, const Box& region, int blocks, const Execu
     execution.check_cancel();
     const Imath::V3d corner =
         region.min +
+        // NOLINTNEXTLINE(bugprone-integer-division): whole numbers are meant.
         step * Imath::V3d(b % blocks, b / blocks % blocks, b / (blocks * blocks)) * double{kBlock};
     const std::unique_ptr<ScalarField> local =
         field.restricted_to(Box(corner, corner + step * double{kBlock}));

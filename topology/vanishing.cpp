@@ -8,7 +8,7 @@ namespace morsel::topology {
 bool vanishes_along_edge(const ScalarField& field, const LocalModel& model) {
   double size = std::abs(model.c[monomial::k1]);
   for (int i = 0; i < 3; ++i)
-    size += model.half[i] * std::abs(model.c[static_cast<std::size_t>(monomial::kX + i)]);
+    size += model.half[i] * std::abs(model.c[monomial::kX + static_cast<std::size_t>(i)]);
   // Most cells are undecided since the model says too little, and cost no more than this.
   constexpr double kTelling = 0x1p-8, kRounding = 0x1p-40;
   if (!(model.value_error <= kTelling * size)) return false;

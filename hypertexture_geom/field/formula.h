@@ -18,8 +18,7 @@ namespace morsel::geom {
 
 // constant + sum_k (rows[k] . (x - origin))^2. A sum of squares rather than a matrix: it cannot
 // come out negative, however far from the origin.
-// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): __i0 counts rows in
-// the copy constructor.
+// NOLINTNEXTLINE(bugprone-reserved-identifier,readability-identifier-naming): the copy's __i0.
 struct SumOfSquares {
   Imath::V3d origin{0.0};
   double constant = 0.0;

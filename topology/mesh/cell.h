@@ -17,6 +17,7 @@ namespace morsel::topology::meshing {
 // every cell is one.
 struct GridPoint {
   std::array<std::uint32_t, 3> at{};
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer.
   auto operator<=>(const GridPoint&) const = default;
 };
 

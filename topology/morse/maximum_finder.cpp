@@ -34,11 +34,13 @@ class BasinHit {
 
   BasinHit(const Points& points, double largest_square) : points_(points), worst_(largest_square) {}
 
+  // NOLINTBEGIN(readability-identifier-naming): nanoflann asks for these names.
   bool addPoint(double square, std::size_t i) {
     if (square <= points_.basin[i] * points_.basin[i]) hit_ = points_.index[i];
     return !hit_;
   }
   double worstDist() const { return worst_; }
+  // NOLINTEND(readability-identifier-naming)
   std::size_t size() const { return hit_ ? 1 : 0; }
   bool full() const { return hit_.has_value(); }
   bool empty() const { return !hit_; }

@@ -29,6 +29,7 @@ class Neighbourhood {
   Neighbourhood(const OctreeView& octree, const OctreeView::Leaf& leaf) {
     const Imath::V3d c = centre(leaf.box), size = leaf.box.max - leaf.box.min;
     for (int n = 0; n < 27; ++n) {
+      // NOLINTNEXTLINE(bugprone-integer-division): whole numbers are meant.
       const Imath::V3d x = c + size * Imath::V3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
       Neighbour& neighbour = all_[static_cast<std::size_t>(n)];
       neighbour.outside = !octree.box.intersects(x);
@@ -41,8 +42,8 @@ class Neighbourhood {
     }
   }
   const Neighbour& at(const std::array<int, 3>& offset) const {
-    return all_[static_cast<std::size_t>(offset[0] + 1 + 3 * (offset[1] + 1) +
-                                         9 * (offset[2] + 1))];
+    const int n = offset[0] + 1 + 3 * (offset[1] + 1) + 9 * (offset[2] + 1);
+    return all_[static_cast<std::size_t>(n)];
   }
 
  private:
