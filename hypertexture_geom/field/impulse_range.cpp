@@ -139,7 +139,7 @@ void choose(const Batch& from, double square, const double* offset, const double
 
 // The largest sum over a part of what the impulses can be there at most.
 double largest_sum(const Batch& from, double square, const Grid& grid) {
-  constexpr auto kParts = static_cast<std::size_t>(kMostParts * kMostParts * kMostParts);
+  constexpr std::size_t kParts = std::size_t{kMostParts} * kMostParts * kMostParts;
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
   HWY_ALIGN double sums[kParts * kPad];
