@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 
 #include "renderer/integrator/trace_pixel.h"
@@ -18,28 +19,42 @@ std::string shown(const Imath::V3f& v) {
   return fmt::format("{:.7g} {:.7g} {:.7g}", v.x, v.y, v.z);
 }
 
+std::string name_of(const render::Scene& scene, std::uint32_t instance) {
+  return instance < scene.instances.size() ? scene.instances[instance].name : "a light";
+}
+
+// "hits rock at t = 4.2"; a shadow ray is "blocked by rock at t = 0.3" or reaches its light.
+std::string fate(const render::Scene& scene, const render::TracedRay& r) {
+  const bool shadow = r.query == render::RayLog::Query::kOccluded;
+  if (!r.met) {
+    if (!shadow) return "hits nothing";
+    return std::isfinite(r.ray.tfar) ? "reaches its light" : "reaches light from afar";
+  }
+  return fmt::format("{} {} at t = {:.7g}", shadow ? "is blocked by" : "hits",
+                     name_of(scene, r.met->instance), r.met->t);
+}
+
 void print(const render::Scene& scene, bool halves, const render::TracedSample& traced) {
   const render::PathSample& s = traced.sample;
   std::cout << fmt::format("sample {}{}: at {:.4f},{:.4f}, radiance {}, alpha {:g}\n", traced.index,
                            halves ? fmt::format(" of half {}", traced.half) : "", traced.film.x,
                            traced.film.y, shown(s.radiance), s.alpha);
   if (s.depth < render::kFarDepth) {
-    const bool instance = s.instance < scene.instances.size();
     std::cout << fmt::format(
-        "  hits {} ({}) at {}, depth {:.7g}, normal {}, albedo {}",
-        instance ? scene.instances[s.instance].name : "a light",
+        "  hits {} ({}) at {}, depth {:.7g}, normal {}, albedo {}", name_of(scene, s.instance),
         s.material < scene.materials.size() ? scene.materials[s.material].name : "no material",
         shown(s.position), s.depth, shown(s.geometric_normal), shown(s.albedo));
     if (s.component > 0.0f) std::cout << fmt::format(", component {:.0f}", s.component - 1.0f);
     std::cout << '\n';
   }
-  for (const render::RayLog::Record& r : traced.rays) {
+  for (const render::TracedRay& r : traced.rays) {
     const char* kind = r.query == render::RayLog::Query::kCoherent   ? "camera"
                        : r.query == render::RayLog::Query::kOccluded ? "shadow"
                                                                      : "bounce";
-    std::cout << fmt::format("  {} ray from {} towards {}, to t = {:.7g}\n", kind,
+    std::cout << fmt::format("  {} ray from {} towards {}, to t = {:.7g}, {}\n", kind,
                              shown({r.ray.org_x, r.ray.org_y, r.ray.org_z}),
-                             shown({r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}), r.ray.tfar);
+                             shown({r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}), r.ray.tfar,
+                             fate(scene, r));
   }
 }
 

@@ -97,10 +97,18 @@ void report(const Options& options, const geom::Hypertexture& hypertexture, cons
     std::cout << fmt::format("  and {} more (--json lists all)\n", parts.size() - kShown);
 }
 
+std::string extension_of(const std::string& file) {
+  return std::filesystem::path(file).extension().string();
+}
+
+// Empty if there is none.
+std::string problem_of_output(const std::string& file) {
+  const std::string extension = extension_of(file);
+  if (extension == ".ply" || extension == ".glb") return "";
+  return fmt::format("{}: must end in .ply or .glb", file);
+}
+
 int run(const Options& options, const Session& session) {
-  const std::string extension = std::filesystem::path(options.output).extension().string();
-  if (extension != ".ply" && extension != ".glb")
-    throw UsageError(fmt::format("-o {}: must end in .ply or .glb", options.output));
   const auto threads = limit_threads(options.threads);
   topology::Execution execution;
   execution.cancel = session.cancel;
@@ -134,8 +142,9 @@ int run(const Options& options, const Session& session) {
       *hypertexture.field, t.octree(), topology::kept_components(keep, t.components, t.octree()),
       within, execution);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  mesh.error_bound += extension == ".ply" ? write_ply(file.stream(), mesh, options.mesh.error)
-                                          : write_glb(file.stream(), mesh, options.mesh.error);
+  mesh.error_bound += extension_of(options.output) == ".ply"
+                          ? write_ply(file.stream(), mesh, options.mesh.error)
+                          : write_glb(file.stream(), mesh, options.mesh.error);
   file.commit();
   report(options, hypertexture, keep.to_string(), mesh, t.certified, seconds.count(), reporter);
   return kDone;
@@ -163,7 +172,9 @@ void add_mesh(CLI::App& parent, Session& session) {
                    "Level of the octree below which cells are not subdivided")
       ->check(CLI::Range(1, topology::kMaxDepth))
       ->capture_default_str();
-  command->add_option("-o,--output", options->output, "File to write: .ply or .glb")->required();
+  command->add_option("-o,--output", options->output, "File to write: .ply or .glb")
+      ->required()
+      ->check(problem_of_output);
   add_max_memory_option(*command, options->max_memory,
                         "the mesh, or the octree if it has to be labelled first, may take while it "
                         "is made; beyond, the command fails and writes nothing");

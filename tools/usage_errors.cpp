@@ -87,25 +87,46 @@ const CLI::Option* without_value(const CLI::App& command, std::string_view said)
   return nullptr;
 }
 
+std::string missing_value(const CLI::Option& option) {
+  return fmt::format("{}: a value is missing ({})", option.get_name(), option.get_type_name());
+}
+
+// What a flag says that took another flag, or anything else that is no number, for its value: the
+// parser's text is "Could not convert: --spp = --foo".
+std::string bad_value(const CLI::App& command, std::string_view said) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string begin = "Could not convert: " + option->get_name() + " = ";
+    if (!said.starts_with(begin)) continue;
+    const std::string value(said.substr(begin.size()));
+    if (value.starts_with("--"))
+      return fmt::format("{}; {}", missing_value(*option), unexpected(command, value));
+    return fmt::format("{} {}: must be {}", option->get_name(), value, option->get_type_name());
+  }
+  return std::string(said);
+}
+
 std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   // What is wrong with the value of a flag may say where the others belong.
   const std::string_view said = error.what();
   if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
+  const CLI::Option* const without =
+      error.get_name() == "ArgumentMismatch" ? without_value(command, said) : nullptr;
   const std::vector<std::string> rest = command.remaining();
   // Flags first, all of them: the word behind an unknown flag has been taken for an argument.
   std::vector<std::string> flags;
   for (const std::string& word : rest)
     if (word.starts_with('-') && word.size() > 1) flags.push_back(unexpected(command, word));
+  if (!flags.empty() && without != nullptr) flags.push_back(missing_value(*without));
   if (!flags.empty()) return fmt::format("{}", fmt::join(flags, "; "));
   if (!rest.empty()) return unexpected(command, rest.front());
   const std::vector<std::string> names = subcommands_of(command);
   if (error.get_name() == "RequiredError" && command.get_require_subcommand_min() > 0)
     return fmt::format("a command is required: {}", fmt::join(names, ", "));
-  if (error.get_name() == "ArgumentMismatch")
-    if (const CLI::Option* option = without_value(command, said))
-      return fmt::format("{}: a value is missing ({})", option->get_name(),
-                         option->get_type_name());
-  return error.what();
+  if (without != nullptr) return missing_value(*without);
+  // What stands behind "--" is not among the rest.
+  if (said.starts_with("The following argument"))
+    return fmt::format("{}: there is no place for this argument", said.substr(said.find(": ") + 2));
+  return error.get_name() == "ConversionError" ? bad_value(command, said) : error.what();
 }
 
 }  // namespace

@@ -57,6 +57,14 @@ std::uint64_t checksum_of(const Header& header, std::span<const DirectoryRecord>
   return checksum_of(bytes);
 }
 
+// Comments are allowed in scenes; a byte order mark may come first.
+bool begins_as_json(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::size_t at = text.find_first_not_of(" \t\r\n");
+  return at != std::string_view::npos &&
+         std::string_view("{[/").find(text[at]) != std::string_view::npos;
+}
+
 bool is_name(std::string_view name) {
   return !name.empty() && name.size() < sizeof(DirectoryRecord::name) &&
          std::all_of(name.begin(), name.end(), [](char c) {
@@ -198,15 +206,16 @@ void SectionFile::read_directory(const SectionFormat& format) {
   if (!S_ISREG(status.st_mode)) throw CacheError(name_ + ": is not a regular file");
   size_ = static_cast<std::uint64_t>(status.st_size);
   Header header;
-  if (size_ < sizeof header)
+  const std::uint64_t present = std::min<std::uint64_t>(size_, sizeof header);
+  read_at(0, std::as_writable_bytes(std::span(&header, 1)).first(present));
+  const std::string_view begin(reinterpret_cast<const char*>(&header), present);
+  const std::string_view magic(format.magic, sizeof header.magic);
+  if (!magic.starts_with(begin.substr(0, magic.size())))
+    throw CacheError(fmt::format("{}: not a {}: wrong first bytes{}", name_, kind,
+                                 begins_as_json(begin) ? ", those of a JSON file or a scene" : ""));
+  if (present < sizeof header)
     throw CacheError(
         fmt::format("{}: not a {}: {} bytes are fewer than its header has", name_, kind, size_));
-  read_at(0, std::as_writable_bytes(std::span(&header, 1)));
-  if (std::memcmp(header.magic, format.magic, sizeof header.magic) != 0)
-    throw CacheError(fmt::format("{}: not a {}: wrong first bytes{}", name_, kind,
-                                 header.magic[0] == '{' || header.magic[0] == '/'
-                                     ? ", those of a JSON file or a scene"
-                                     : ""));
   if (header.version != format.version)
     throw CacheError(
         fmt::format("{}: version {} of the format of a {}; this program reads version {}", name_,

@@ -10,6 +10,21 @@
 #include "renderer/integrator/pixel_renderer.h"
 
 namespace morsel::render {
+namespace {
+
+// Asks again, without a log.
+void find_what_was_met(const SceneAccel& accel, TracedRay& traced) {
+  const RTCRay& r = traced.ray;
+  Ray ray;
+  ray.origin = {r.org_x, r.org_y, r.org_z};
+  ray.direction = {r.dir_x, r.dir_y, r.dir_z};
+  ray.tfar = r.tfar;
+  ray.time = r.time;
+  SurfaceInteraction met;
+  if (accel.intersect(ray, static_cast<RayKind>(r.mask), met)) traced.met = met;
+}
+
+}  // namespace
 
 TracedPixel trace_pixel(const Scene& scene, int x, int y) {
   RenderSettings settings = scene.settings;
@@ -31,19 +46,18 @@ TracedPixel trace_pixel(const Scene& scene, int x, int y) {
   const PixelRenderer::Watch watch = [&](std::uint32_t half, std::uint32_t index, const V2f& film,
                                          const PathSample& sample) {
     const auto& records = log.own_records();
-    traced.samples.push_back(
-        {half,
-         index,
-         film,
-         sample,
-         {records.begin() + static_cast<std::ptrdiff_t>(seen), records.end()}});
-    seen = records.size();
+    traced.samples.push_back({half, index, film, sample, {}});
+    for (; seen < records.size(); ++seen)
+      traced.samples.back().rays.push_back({records[seen].ray, records[seen].query, {}});
   };
   NonFiniteReport non_finite(false);
   const PixelRenderer pixels(tracer, camera, settings, nullptr, {}, non_finite, &watch);
   FilmSums sums(FilmLayout(settings, scene.light_groups.size()));
   sums.with_tile(0, [&](TileSums& tile) { pixels.advance(x, y, pixels.most_samples(), tile); });
   traced.pixel = sums.develop().at(x, y);
+  log.stop();
+  for (TracedSample& sample : traced.samples)
+    for (TracedRay& ray : sample.rays) find_what_was_met(accel, ray);
   return traced;
 }
 

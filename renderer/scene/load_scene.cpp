@@ -128,19 +128,30 @@ class SceneLoader {
           document_.place().file));
   }
 
+  // Adds an element's name, even if the rest of it is wrong: what uses it is not to blame. Whether
+  // another has that name.
+  static bool list_name(const json& object, std::vector<std::string>& names) {
+    const bool named = object.is_object() && object.contains("name") && object["name"].is_string();
+    std::string name = named ? object["name"].get<std::string>() : "";
+    const bool repeated = std::find(names.begin(), names.end(), name) != names.end();
+    names.push_back(std::move(name));
+    return repeated;
+  }
+
   void load_textures() {
     for_each("textures", [&](const json& object, const Place& place, std::size_t) {
+      const bool repeated = list_name(object, texture_names_);
+      scene_.textures.emplace_back().name = texture_names_.back();
       Texture texture = read_texture(object, place);
-      for (const Texture& other : scene_.textures)
-        if (other.name == texture.name)
-          (place / "name").fail(fmt::format("\"{}\" is the name of another texture", texture.name));
+      if (repeated)
+        (place / "name").fail(fmt::format("\"{}\" is the name of another texture", texture.name));
       if (auto* image = std::get_if<ImageTexture>(&texture.kind)) {
         if (image->file.find("<UDIM>") == std::string::npos)
           image->file = readable_image(image->file, place / "file");
         else
           image->file = std::filesystem::absolute(document_.resolve(image->file)).string();
       }
-      scene_.textures.push_back(std::move(texture));
+      scene_.textures.back() = std::move(texture);
     });
   }
 
@@ -170,18 +181,12 @@ class SceneLoader {
 
   void load_materials() {
     for_each("materials", [&](const json& object, const Place& place, std::size_t) {
-      // The name counts even if the rest is wrong: instances that use it are not to blame.
-      const std::string name =
-          object.is_object() && object.contains("name") && object["name"].is_string()
-              ? object["name"].get<std::string>()
-              : "";
-      const bool repeated =
-          std::find(material_names_.begin(), material_names_.end(), name) != material_names_.end();
-      material_names_.push_back(name);
+      const bool repeated = list_name(object, material_names_);
       scene_.materials.emplace_back();
       scene_.materials.back() = read_material(object, place, scene_);
       if (repeated)
-        (place / "name").fail(fmt::format("\"{}\" is the name of another material", name));
+        (place / "name")
+            .fail(fmt::format("\"{}\" is the name of another material", material_names_.back()));
     });
   }
 
@@ -234,9 +239,9 @@ class SceneLoader {
       instance.casts_shadow = entry.casts_shadow;
       instance.geometry =
           find_name(entry.geometry, geometry_names_, "geometry", place / "geometry");
+      used_[instance.geometry] = true;
       instance.material =
           find_name(entry.material, material_names_, "material", place / "material");
-      used_[instance.geometry] = true;
       if (!entry.detached_material.empty()) {
         instance.detached_material = find_name(entry.detached_material, material_names_, "material",
                                                place / "detached_material");
@@ -356,7 +361,7 @@ class SceneLoader {
   Scene& scene_ = result_.scene;
   std::vector<GeometryEntry> entries_;
   std::vector<std::string> geometry_names_;
-  std::vector<std::string> material_names_;
+  std::vector<std::string> material_names_, texture_names_;
   std::vector<bool> used_;
 };
 

@@ -139,6 +139,23 @@ TEST(Render, ReportedPlacesDoNotDependOnThreads) {
   EXPECT_EQ(one.size(), NonFiniteReport::kMost);
 }
 
+// The first ray meets what the sample sees, and the others what is in the scene.
+void expect_what_was_met(const TracedSample& s, const Scene& scene) {
+  const std::optional<SurfaceInteraction>& first = s.rays[0].met;
+  ASSERT_EQ(first.has_value(), s.sample.depth < kFarDepth);
+  if (first) {
+    EXPECT_EQ(first->instance, s.sample.instance);
+    EXPECT_EQ(first->p, s.sample.position);
+  }
+  for (const TracedRay& ray : s.rays) {
+    if (!ray.met) continue;
+    EXPECT_LT(ray.met->t, ray.ray.tfar);
+    if (ray.query != RayLog::Query::kOccluded) continue;
+    ASSERT_LT(ray.met->instance, scene.instances.size());
+    EXPECT_TRUE(scene.instances[ray.met->instance].casts_shadow);
+  }
+}
+
 // A pixel looked at closely is the pixel of the picture, by adaptive sampling and without.
 TEST(TracePixel, ListsTheSamplesOfThePicture) {
   Scene scene = mixed_scene();
@@ -161,7 +178,8 @@ TEST(TracePixel, ListsTheSamplesOfThePicture) {
         for (const TracedSample& s : traced.samples) {
           ASSERT_LT(s.half, 2u);
           EXPECT_EQ(s.index, counts[s.half]++);
-          EXPECT_FALSE(s.rays.empty());
+          ASSERT_FALSE(s.rays.empty());
+          expect_what_was_met(s, scene);
           sums[s.half] += Imath::V3d(s.sample.radiance);
         }
         const double halves = target > 0.0f ? 2.0 : 1.0;

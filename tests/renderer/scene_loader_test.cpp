@@ -352,6 +352,32 @@ TEST_F(SceneLoaderTest, CheckFindsEveryProblem) {
   EXPECT_NE(problems[3].find("/geometries/2/file"), std::string::npos);
 }
 
+// What is wrong with one thing is not told again of what uses it.
+TEST_F(SceneLoaderTest, ProblemsDoNotBringOthers) {
+  const std::filesystem::path file = folder_.write("scene.json", R"({
+    "morsel": 1,
+    "textures": [{"type": "chekcer", "name": "squares"}],
+    "materials": [{"type": "diffuse", "name": "tiled", "color_texture": "squares"}],
+    "geometries": [{"type": "sphere", "name": "ball"}],
+    "instances": [{"geometry": "ball", "material": "tield"}],
+    "lights": [{"type": "environment"}]})");
+  const std::vector<std::string> problems = check_scene(file, {}, options());
+  ASSERT_EQ(problems.size(), 2u) << problems.back();
+  EXPECT_NE(problems[0].find("/textures/0/type"), std::string::npos) << problems[0];
+  EXPECT_NE(problems[1].find("/instances/0/material"), std::string::npos) << problems[1];
+  EXPECT_TRUE(warnings_.empty()) << warnings_[0];
+}
+
+TEST_F(SceneLoaderTest, TexturesOfOneNameAreRefused) {
+  const std::filesystem::path file = folder_.write("scene.json", R"({
+    "morsel": 1,
+    "textures": [{"type": "checker", "name": "a"}, {"type": "checker", "name": "a"}]})");
+  const std::vector<std::string> problems = check_scene(file, {}, options());
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(problems[0].find("/textures/1/name: \"a\" is the name of another"), std::string::npos)
+      << problems[0];
+}
+
 TEST_F(SceneLoaderTest, CheckAcceptsAndBuildsNothing) {
   EXPECT_TRUE(check_scene(small_scene(), {}, options()).empty());
   EXPECT_FALSE(std::filesystem::exists(folder_ / "scene.cache"));

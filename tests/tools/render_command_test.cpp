@@ -268,10 +268,28 @@ TEST_F(RenderCommandTest, SolversAndMembershipsShowTheSamePicture) {
 TEST_F(RenderCommandTest, DebugPixelListsSamplesAndRays) {
   const CommandResult result = render({"--debug-pixel", "16,12", "--spp", "3"});
   ASSERT_EQ(result.code, 0) << result.err;
-  for (const char* words : {"sample 0: at 16.", "sample 2: at 16.", "hits rock (grey) at ",
-                            "component ", "  camera ray from 0 0 6 ", "mean of 3 samples"})
+  for (const char* words :
+       {"sample 0: at 16.", "sample 2: at 16.", "hits rock (grey) at ", "component ",
+        "  camera ray from 0 0 6 ", "mean of 3 samples", ", hits rock at t = ", ", hits nothing\n"})
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   EXPECT_FALSE(exists("scene.exr"));
+}
+
+TEST_F(RenderCommandTest, DebugPixelSaysWhatBecameOfShadowRays) {
+  // A pixel of the rock's lit side, and one of the floor behind it with the light in front.
+  const auto lit_from = [&](const char* position, const char* pixel) {
+    const CommandResult result =
+        render({"--debug-pixel", pixel, "--spp", "1", "--set",
+                std::string(R"(lights=[{"type": "point", "intensity": 9, "position": )") +
+                    position + "}]"});
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.out;
+  };
+  const std::string front = lit_from("[0, 0, 6]", "16,12"), back = lit_from("[0, 0, -6]", "16,12");
+  EXPECT_NE(front.find(", reaches its light\n"), std::string::npos) << front;
+  EXPECT_EQ(back.find(", reaches its light\n"), std::string::npos) << back;
+  const std::string below = lit_from("[0, 9, 0]", "16,22");
+  EXPECT_NE(below.find(", is blocked by rock at t = "), std::string::npos) << below;
 }
 
 TEST_F(RenderCommandTest, FullDisksAreFailuresThatLeaveNothing) {

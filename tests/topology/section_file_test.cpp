@@ -183,6 +183,20 @@ TEST_F(SectionFiles, HostileDirectories) {
   EXPECT_NE(error_of(good_ + "x"), "");
 }
 
+// Whoever gives a scene is told so, however short it is and whatever stands before its brace.
+TEST_F(SectionFiles, ScenesAreTakenForWhatTheyAre) {
+  for (const char* text : {"{}", "{\"morsel\": 1}", "// a rock\n{}", "\xEF\xBB\xBF{}", "\n  []"})
+    EXPECT_NE(error_of(text).find("wrong first bytes, those of a JSON file or a scene"),
+              std::string::npos)
+        << error_of(text);
+  EXPECT_NE(error_of("solid").find("wrong first bytes"), std::string::npos);
+  EXPECT_EQ(error_of("solid").find("scene"), std::string::npos);
+  for (const std::size_t length : {0u, 3u, 8u, 63u})
+    EXPECT_NE(error_of(good_.substr(0, length)).find("bytes are fewer than its header has"),
+              std::string::npos)
+        << error_of(good_.substr(0, length));
+}
+
 // A cache keeps sections that its reader does not know, and a reader passes over them.
 TEST_F(SectionFiles, CachesCarryForeignSections) {
   CertifyOptions options;
