@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 
 #include "renderer/integrator/trace_pixel.h"
@@ -23,15 +22,28 @@ std::string name_of(const render::Scene& scene, std::uint32_t instance) {
   return instance < scene.instances.size() ? scene.instances[instance].name : "a light";
 }
 
-// "hits rock at t = 4.2"; a shadow ray is "blocked by rock at t = 0.3" or reaches its light.
-std::string fate(const render::Scene& scene, const render::TracedRay& r) {
+bool asks_for_cutouts(const render::TracedRay& r) {
+  return r.ray.mask == static_cast<unsigned>(render::RayKind::kCutout);
+}
+
+const char* kind_of(const render::TracedRay& r) {
+  if (r.query == render::RayLog::Query::kCoherent) return "camera";
+  if (r.query == render::RayLog::Query::kOccluded) return "shadow";
+  return asks_for_cutouts(r) ? "cut-out" : "bounce";
+}
+
+// "hits rock at a distance of 4.2". A shadow ray is "blocked by" what does so; if it is not, rays
+// for what it may pass in part follow in scenes that have such things, and the last of all that
+// nothing is in the way of reaches the light.
+std::string fate(const render::Scene& scene, const render::TracedRay& r, bool more) {
   const bool shadow = r.query == render::RayLog::Query::kOccluded;
-  if (!r.met) {
-    if (!shadow) return "hits nothing";
-    return std::isfinite(r.ray.tfar) ? "reaches its light" : "reaches light from afar";
+  if (r.met) {
+    const Imath::V3f direction(r.ray.dir_x, r.ray.dir_y, r.ray.dir_z);
+    return fmt::format("{} {} at a distance of {:.7g}", shadow ? "is blocked by" : "hits",
+                       name_of(scene, r.met->instance), r.met->t * direction.length());
   }
-  return fmt::format("{} {} at t = {:.7g}", shadow ? "is blocked by" : "hits",
-                     name_of(scene, r.met->instance), r.met->t);
+  if (shadow && more) return "meets nothing solid";
+  return shadow || asks_for_cutouts(r) ? "reaches its light" : "hits nothing";
 }
 
 void print(const render::Scene& scene, bool halves, const render::TracedSample& traced) {
@@ -47,14 +59,13 @@ void print(const render::Scene& scene, bool halves, const render::TracedSample& 
     if (s.component > 0.0f) std::cout << fmt::format(", component {:.0f}", s.component - 1.0f);
     std::cout << '\n';
   }
-  for (const render::TracedRay& r : traced.rays) {
-    const char* kind = r.query == render::RayLog::Query::kCoherent   ? "camera"
-                       : r.query == render::RayLog::Query::kOccluded ? "shadow"
-                                                                     : "bounce";
-    std::cout << fmt::format("  {} ray from {} towards {}, to t = {:.7g}, {}\n", kind,
+  for (std::size_t i = 0; i < traced.rays.size(); ++i) {
+    const render::TracedRay& r = traced.rays[i];
+    const bool more = i + 1 < traced.rays.size() && asks_for_cutouts(traced.rays[i + 1]);
+    std::cout << fmt::format("  {} ray from {} towards {}, to t = {:.7g}, {}\n", kind_of(r),
                              shown({r.ray.org_x, r.ray.org_y, r.ray.org_z}),
                              shown({r.ray.dir_x, r.ray.dir_y, r.ray.dir_z}), r.ray.tfar,
-                             fate(scene, r));
+                             fate(scene, r, more));
   }
 }
 

@@ -104,8 +104,14 @@ std::string extension_of(const std::string& file) {
 // Empty if there is none.
 std::string problem_of_output(const std::string& file) {
   const std::string extension = extension_of(file);
-  if (extension == ".ply" || extension == ".glb") return "";
-  return fmt::format("{}: must end in .ply or .glb", file);
+  if (extension == ".ply" || extension == ".glb" || extension == ".obj") return "";
+  return fmt::format("{}: must end in .ply, .glb or .obj", file);
+}
+
+double write(std::ostream& out, const topology::Mesh& mesh, double error,
+             const std::string& extension) {
+  if (extension == ".ply") return write_ply(out, mesh, error);
+  return extension == ".glb" ? write_glb(out, mesh, error) : write_obj(out, mesh, error);
 }
 
 int run(const Options& options, const Session& session) {
@@ -142,9 +148,7 @@ int run(const Options& options, const Session& session) {
       *hypertexture.field, t.octree(), topology::kept_components(keep, t.components, t.octree()),
       within, execution);
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  mesh.error_bound += extension_of(options.output) == ".ply"
-                          ? write_ply(file.stream(), mesh, options.mesh.error)
-                          : write_glb(file.stream(), mesh, options.mesh.error);
+  mesh.error_bound += write(file.stream(), mesh, options.mesh.error, extension_of(options.output));
   file.commit();
   report(options, hypertexture, keep.to_string(), mesh, t.certified, seconds.count(), reporter);
   return kDone;
@@ -172,9 +176,16 @@ void add_mesh(CLI::App& parent, Session& session) {
                    "Level of the octree below which cells are not subdivided")
       ->check(CLI::Range(1, topology::kMaxDepth))
       ->capture_default_str();
-  command->add_option("-o,--output", options->output, "File to write: .ply or .glb")
-      ->required()
-      ->check(problem_of_output);
+  // Before anything is said of what is missing, and of the last that is given.
+  const auto set_output = [options](const std::string& file) {
+    const std::string problem = problem_of_output(file);
+    if (!problem.empty()) throw CLI::ValidationError("--output", problem);
+    options->output = file;
+  };
+  command
+      ->add_option_function<std::string>("-o,--output", set_output,
+                                         "File to write: .ply, .glb or .obj")
+      ->required();
   add_max_memory_option(*command, options->max_memory,
                         "the mesh, or the octree if it has to be labelled first, may take while it "
                         "is made; beyond, the command fails and writes nothing");

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -50,6 +52,10 @@ bool floats_keep_corners_apart(const topology::Mesh& mesh) {
   });
 }
 
+bool floats_will_do(const topology::Mesh& mesh, double rounding, double error) {
+  return rounding <= kShareOfRounding * error && floats_keep_corners_apart(mesh);
+}
+
 void write(std::ostream& out, const Bytes& bytes) {
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
@@ -78,7 +84,7 @@ int add_accessor(tinygltf::Model& model, const Bytes& bytes, std::size_t count, 
 
 double write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
   const double rounding = float_rounding(bounds_of(mesh));
-  const bool as_float = rounding <= kShareOfRounding * error && floats_keep_corners_apart(mesh);
+  const bool as_float = floats_will_do(mesh, rounding, error);
   const char* real = as_float ? "float" : "double";
   out << fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment counter-clockwise from outside; component: id "
@@ -108,6 +114,48 @@ double write_ply(std::ostream& out, const topology::Mesh& mesh, double error) {
     append(bytes, static_cast<unsigned char>(3));
     for (const std::uint32_t corner : t) append(bytes, corner);
     flush(kFlush);
+  }
+  flush(0);
+  return as_float ? rounding : 0.0;
+}
+
+double write_obj(std::ostream& out, const topology::Mesh& mesh, double error) {
+  const double rounding = float_rounding(bounds_of(mesh));
+  const bool as_float = floats_will_do(mesh, rounding, error);
+  constexpr std::size_t kFlush = 1 << 20;
+  fmt::memory_buffer text;
+  const auto flush = [&](std::size_t limit) {
+    if (text.size() < limit) return;
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    text.clear();
+  };
+  const auto end = std::back_inserter(text);
+  fmt::format_to(end,
+                 "# counter-clockwise from outside; component_N: id in the table of components\n");
+  for (const Imath::V3d& p : mesh.positions) {
+    flush(kFlush);
+    if (as_float)
+      fmt::format_to(end, "v {} {} {}\n", static_cast<float>(p.x), static_cast<float>(p.y),
+                     static_cast<float>(p.z));
+    else
+      fmt::format_to(end, "v {} {} {}\n", p.x, p.y, p.z);
+  }
+  for (const Imath::V3f& n : mesh.normals) {
+    flush(kFlush);
+    fmt::format_to(end, "vn {} {} {}\n", n.x, n.y, n.z);
+  }
+  std::vector<std::uint32_t> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto component = [&](std::uint32_t i) { return mesh.components[mesh.triangles[i][0]]; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t i, std::uint32_t j) { return component(i) < component(j); });
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    flush(kFlush);
+    const auto id = component(order[n]);
+    if (n == 0 || id != component(order[n - 1])) fmt::format_to(end, "g component_{}\n", id);
+    const auto& t = mesh.triangles[order[n]];
+    fmt::format_to(end, "f {0}//{0} {1}//{1} {2}//{2}\n", std::uint64_t{t[0]} + 1,
+                   std::uint64_t{t[1]} + 1, std::uint64_t{t[2]} + 1);
   }
   flush(0);
   return as_float ? rounding : 0.0;

@@ -91,23 +91,46 @@ std::string missing_value(const CLI::Option& option) {
   return fmt::format("{}: a value is missing ({})", option.get_name(), option.get_type_name());
 }
 
-// What a flag says that took another flag, or anything else that is no number, for its value: the
-// parser's text is "Could not convert: --spp = --foo".
+bool is_flag(std::string_view word) {
+  return word.size() > 1 && word[0] == '-' && word[1] != '.' && (word[1] < '0' || word[1] > '9');
+}
+
+bool has_flag(const CLI::App& command, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  return command.get_option_no_throw(name) != nullptr;
+}
+
+// Of a number's flag that took something else for its value: another flag, which may be one of the
+// command's or not. The parser's texts are "Could not convert: --spp = --foo", of all values that
+// were given, and "--threads: Value --foo not in range 1 to 8". Empty: it is not one of these.
 std::string bad_value(const CLI::App& command, std::string_view said) {
   for (const CLI::Option* option : command.get_options()) {
-    const std::string begin = "Could not convert: " + option->get_name() + " = ";
-    if (!said.starts_with(begin)) continue;
-    const std::string value(said.substr(begin.size()));
-    if (value.starts_with("--"))
-      return fmt::format("{}; {}", missing_value(*option), unexpected(command, value));
-    return fmt::format("{} {}: must be {}", option->get_name(), value, option->get_type_name());
+    const std::string convert = "Could not convert: " + option->get_name() + " = ",
+                      range = option->get_name() + ": Value ";
+    std::string value;
+    if (said.starts_with(convert)) {
+      value = said.substr(convert.size());
+      value.erase(0, value.find_last_of(',') + 1);
+    } else if (said.starts_with(range)) {
+      value = said.substr(range.size(), said.find(" not in range") - range.size());
+      if (!is_flag(value)) return "";
+    } else {
+      continue;
+    }
+    if (option->get_items_expected_min() == 0)
+      return fmt::format("{}={}: takes no value", option->get_name(), value);
+    if (!is_flag(value))
+      return fmt::format("{} {}: must be {}", option->get_name(), value, option->get_type_name());
+    const std::string missing = missing_value(*option);
+    return has_flag(command, value) ? missing : missing + "; " + unexpected(command, value);
   }
-  return std::string(said);
+  return "";
 }
 
 std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   // What is wrong with the value of a flag may say where the others belong.
   const std::string_view said = error.what();
+  if (const std::string text = bad_value(command, said); !text.empty()) return text;
   if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
   const CLI::Option* const without =
       error.get_name() == "ArgumentMismatch" ? without_value(command, said) : nullptr;
@@ -126,7 +149,7 @@ std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   // What stands behind "--" is not among the rest.
   if (said.starts_with("The following argument"))
     return fmt::format("{}: there is no place for this argument", said.substr(said.find(": ") + 2));
-  return error.get_name() == "ConversionError" ? bad_value(command, said) : error.what();
+  return error.what();
 }
 
 }  // namespace

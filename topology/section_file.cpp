@@ -60,9 +60,8 @@ std::uint64_t checksum_of(const Header& header, std::span<const DirectoryRecord>
 // Comments are allowed in scenes; a byte order mark may come first.
 bool begins_as_json(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const std::size_t at = text.find_first_not_of(" \t\r\n");
-  return at != std::string_view::npos &&
-         std::string_view("{[/").find(text[at]) != std::string_view::npos;
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return text.starts_with('{') || text.starts_with("//") || text.starts_with("/*");
 }
 
 bool is_name(std::string_view name) {

@@ -117,9 +117,11 @@ class SceneLoader {
     if (options_.warn) options_.warn(message);
   }
 
+  bool has_problems() const { return problems_ != nullptr && !problems_->empty(); }
+
   // A scene without light is a valid one, but hardly what anyone wants to see.
   void warn_of_darkness() const {
-    if (problems_ != nullptr && !problems_->empty()) return;  // a light may be what is wrong
+    if (has_problems()) return;  // a light may be what is wrong
     if (is_dark(scene_))
       warn(fmt::format(
           "{}: /lights: nothing shines: there is no light, no environment and no instance of a "
@@ -239,9 +241,9 @@ class SceneLoader {
       instance.casts_shadow = entry.casts_shadow;
       instance.geometry =
           find_name(entry.geometry, geometry_names_, "geometry", place / "geometry");
-      used_[instance.geometry] = true;
       instance.material =
           find_name(entry.material, material_names_, "material", place / "material");
+      used_[instance.geometry] = true;
       if (!entry.detached_material.empty()) {
         instance.detached_material = find_name(entry.detached_material, material_names_, "material",
                                                place / "detached_material");
@@ -270,7 +272,8 @@ class SceneLoader {
 
   void load_geometry(std::size_t i, const json& object, const Place& place) {
     const GeometryEntry& entry = entries_[i];
-    if (!used_[i]) warn(fmt::format("geometry \"{}\" is used by no instance", entry.name));
+    if (!used_[i] && !has_problems())  // an instance may be what is wrong
+      warn(fmt::format("geometry \"{}\" is used by no instance", entry.name));
     auto& shape = scene_.geometries[i].shape;
     if (entry.type == "mesh") {
       shape = read_mesh(object, place);

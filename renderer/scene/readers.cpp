@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "renderer/scene/declarations.h"
@@ -125,10 +127,15 @@ std::uint32_t find_name(const std::string& name, const std::vector<std::string>&
                         const char* what, const Place& place) {
   for (std::size_t i = 0; i < known.size(); ++i)
     if (known[i] == name) return static_cast<std::uint32_t>(i);
-  const std::string near = params::nearest_name(name, known);
+  // Elements whose name is missing are listed without one, and textures for each way to read them.
+  std::vector<std::string> names;
+  for (const std::string& each : known)
+    if (!each.empty() && std::find(names.begin(), names.end(), each) == names.end())
+      names.push_back(each);
+  const std::string near = params::nearest_name(name, names);
   place.fail(fmt::format("no {} \"{}\"{}; there are: {}", what, name,
                          near.empty() ? "" : fmt::format(", did you mean \"{}\"?", near),
-                         known.empty() ? "none" : params::join(known)));
+                         names.empty() ? "none" : params::join(names)));
 }
 
 }  // namespace morsel::render

@@ -69,11 +69,20 @@ TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
       {{"render", "a.json", "--spp", "--sampels"},
        "render: --spp: a value is missing (INT); --sampels: unknown flag, did "
        "you mean \"--spp\"?"},
+      {{"render", "a.json", "--spp", "--output", "x.exr"},
+       "render: --spp: a value is missing (INT); see"},
+      {{"render", "a.json", "--spp", "3", "--spp", "-o"},
+       "render: --spp: a value is missing (INT); see"},
+      {{"render", "a.json", "--spp", "3", "--spp", "-x"},
+       "render: --spp: a value is missing (INT); -x: unknown flag; see"},
+      {{"render", "a.json", "--threads", "--spp", "2"},
+       "render: --threads: a value is missing (INT"},
+      {{"cache", "info", "a.topo", "--json=foo"}, "cache info: --json=foo: takes no value"},
       {{"render", "a.json", "--foo", "--resolution"},
        "render: --foo: unknown flag; --resolution: a value is missing (TEXT"},
       {{"render", "a.json", "--", "--weird"},
        "render: --weird: there is no place for this argument"},
-      {{"mesh", "a.json", "-o", "a.obj"}, "mesh: --output: a.obj: must end in .ply or .glb"},
+      {{"mesh", "a.json", "-o", "a.stl"}, "mesh: --output: a.stl: must end in .ply, .glb or .obj"},
       {{"render", "a.json", "--spp"}, "render: --spp: a value is missing (INT"},
       {{"render", "a.json", "-o"}, "render: --output: a value is missing (TEXT"},
       {{"bench", "topolgy"}, "bench: topolgy: no such file or command, did you mean \"topology\"?"},
@@ -95,6 +104,14 @@ TEST(Command, OfAFlagGivenTwiceTheLastCounts) {
   const CommandOptions here{.folder = folder.path()};
   EXPECT_EQ(run_morsel({"render", "a.json", "--check", "--spp", "0", "--spp=3"}, here).code, 0);
   EXPECT_EQ(run_morsel({"render", "a.json", "--check", "--spp=3", "--spp", "0"}, here).code, 2);
+  const std::vector<std::string> mesh{"mesh", "a.json", "--error", "0.1", "--geometry", "gone"};
+  for (const std::string last : {"a.ply", "a.txt"}) {
+    std::vector<std::string> arguments = mesh;
+    for (const char* word : {"-o", "b.txt", "-o"}) arguments.emplace_back(word);
+    arguments.push_back(last);
+    const CommandResult result = run_morsel(arguments, here);
+    EXPECT_EQ(result.err.find("must end in") == std::string::npos, last == "a.ply") << result.err;
+  }
   // Each --set is one of its own, and so is each of a list.
   const CommandResult both = run_morsel(
       {"render", "a.json", "--check", "--set", "render.spp=0", "--set", "render.max_depth=-1"},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -66,8 +68,25 @@ TEST_F(MeshCommandTest, BallAsPly) {
   EXPECT_EQ(read.triangles.size(), triangles);
 }
 
-TEST_F(MeshCommandTest, PlyAndGlbHoldTheSame) {
-  for (const std::string& file : {ply_, glb_}) {
+// As much of the format as `morsel mesh` writes.
+render::TriangleMesh read_obj(const std::string& text) {
+  render::TriangleMesh mesh;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind, a, b, c;
+    words >> kind >> a >> b >> c;
+    if (kind == "v") mesh.positions.emplace_back(std::stof(a), std::stof(b), std::stof(c));
+    if (kind == "vn") mesh.normals.emplace_back(std::stof(a), std::stof(b), std::stof(c));
+    if (kind == "f")
+      mesh.triangles.emplace_back(std::stoi(a) - 1, std::stoi(b) - 1, std::stoi(c) - 1);
+  }
+  return mesh;
+}
+
+TEST_F(MeshCommandTest, AllFormatsHoldTheSame) {
+  const std::string obj = (folder_ / "out.obj").string();
+  for (const std::string& file : {ply_, glb_, obj}) {
     const CommandResult result = mesh(rock_, {"--error", "0.03", "--keep", "all", "-o", file});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_NE(result.out.find("topology certified"), std::string::npos) << result.out;
@@ -80,6 +99,30 @@ TEST_F(MeshCommandTest, PlyAndGlbHoldTheSame) {
     for (int k = 0; k < 3; ++k)
       ASSERT_EQ(ply.positions[static_cast<std::size_t>(ply.triangles[i][k])],
                 glb.positions[static_cast<std::size_t>(glb.triangles[i][k])]);
+  // OBJ has the triangles in the order of their components, with bit by bit the same floats.
+  const std::string text = read_text(obj);
+  const render::TriangleMesh read = read_obj(text);
+  const auto corners_of = [](const render::TriangleMesh& mesh) {
+    std::vector<std::array<float, 9>> all;
+    for (const Imath::V3i& t : mesh.triangles) {
+      const auto at = [&](int k) { return mesh.positions[static_cast<std::size_t>(t[k])]; };
+      all.push_back(
+          {at(0).x, at(0).y, at(0).z, at(1).x, at(1).y, at(1).z, at(2).x, at(2).y, at(2).z});
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  EXPECT_TRUE(corners_of(read) == corners_of(ply));
+  ASSERT_EQ(read.positions, ply.positions);
+  for (std::size_t i = 0; i < ply.normals.size(); ++i)
+    ASSERT_LT((read.normals[i] - ply.normals[i]).length(), 1e-6f);  // readers normalise
+  // By a reader that others use, too, whose floats are a little off.
+  EXPECT_EQ(render::load_mesh(obj).triangles.size(), ply.triangles.size());
+  const std::size_t first = text.find("\ng component_0\n"), second = text.find("\ng component_1\n");
+  ASSERT_NE(first, std::string::npos);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_LT(first, second);
+  EXPECT_EQ(text.find("\ng component_0\n", first + 1), std::string::npos);
   // The components are there, as the table has them.
   std::ifstream in(glb_, std::ios::binary);
   std::stringstream all;
@@ -123,6 +166,16 @@ TEST_F(MeshCommandTest, FarFromTheOrigin) {
   std::stringstream all;
   all << in.rdbuf();
   EXPECT_NE(all.str().find("property double x"), std::string::npos);
+  const std::string obj = (folder_ / "out.obj").string();
+  std::vector<std::string> arguments = far;
+  arguments.insert(arguments.end(), {"-o", obj});
+  ASSERT_EQ(mesh(ball_, arguments).code, 0);
+  // The second coordinate about 0 has all digits of a double, the first about 100000 more than a
+  // float's.
+  std::istringstream first(read_text(obj).substr(read_text(obj).find("\nv ") + 3));
+  std::string x;
+  first >> x;
+  EXPECT_NE(std::stod(x), double{std::stof(x)}) << x;
   std::ifstream glb(glb_, std::ios::binary);
   std::stringstream text;
   text << glb.rdbuf();
@@ -201,7 +254,7 @@ TEST_F(MeshCommandTest, WrongUsageNamesWhatIsWrong) {
   };
   fails(ball_, {"-o", ply_}, 2, "--error");
   fails(ball_, {"--error", "0", "-o", ply_}, 2, "--error");
-  fails(ball_, {"--error", "0.01", "-o", "mesh.obj"}, 2, ".ply or .glb");
+  fails(ball_, {"--error", "0.01", "-o", "mesh.stl"}, 2, ".ply, .glb or .obj");
   fails(ball_, {"--error", "0.01", "-o", ply_, "--keep", "most"}, 2, "most");
   fails(ball_, {"--error", "0.01", "-o", ply_, "--geometry", "cube"}, 2, "ball");
   fails(ball_, {"--error", "0.01", "-o", "/nowhere/out.ply"}, 1, "/nowhere/out.ply");

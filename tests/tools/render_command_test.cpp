@@ -268,28 +268,50 @@ TEST_F(RenderCommandTest, SolversAndMembershipsShowTheSamePicture) {
 TEST_F(RenderCommandTest, DebugPixelListsSamplesAndRays) {
   const CommandResult result = render({"--debug-pixel", "16,12", "--spp", "3"});
   ASSERT_EQ(result.code, 0) << result.err;
-  for (const char* words :
-       {"sample 0: at 16.", "sample 2: at 16.", "hits rock (grey) at ", "component ",
-        "  camera ray from 0 0 6 ", "mean of 3 samples", ", hits rock at t = ", ", hits nothing\n"})
+  for (const char* words : {"sample 0: at 16.", "sample 2: at 16.", "hits rock (grey) at ",
+                            "component ", "  camera ray from 0 0 6 ", "mean of 3 samples",
+                            ", hits rock at a distance of ", ", hits nothing\n"})
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   EXPECT_FALSE(exists("scene.exr"));
 }
 
 TEST_F(RenderCommandTest, DebugPixelSaysWhatBecameOfShadowRays) {
-  // A pixel of the rock's lit side, and one of the floor behind it with the light in front.
-  const auto lit_from = [&](const char* position, const char* pixel) {
-    const CommandResult result =
-        render({"--debug-pixel", pixel, "--spp", "1", "--set",
-                std::string(R"(lights=[{"type": "point", "intensity": 9, "position": )") +
-                    position + "}]"});
+  const auto lit_by = [&](const std::string& light, const char* pixel,
+                          const std::vector<std::string>& more = {}) {
+    std::vector<std::string> flags{"--debug-pixel",           pixel, "--spp", "1", "--set",
+                                   "lights=[{" + light + "}]"};
+    flags.insert(flags.end(), more.begin(), more.end());
+    const CommandResult result = render(flags);
     EXPECT_EQ(result.code, 0) << result.err;
     return result.out;
   };
-  const std::string front = lit_from("[0, 0, 6]", "16,12"), back = lit_from("[0, 0, -6]", "16,12");
-  EXPECT_NE(front.find(", reaches its light\n"), std::string::npos) << front;
-  EXPECT_EQ(back.find(", reaches its light\n"), std::string::npos) << back;
-  const std::string below = lit_from("[0, 9, 0]", "16,22");
-  EXPECT_NE(below.find(", is blocked by rock at t = "), std::string::npos) << below;
+  const auto has = [](const std::string& text, const char* words) {
+    return text.find(words) != std::string::npos;
+  };
+  // The rock from the front, and the floor in its shadow.
+  const std::string front = R"("type": "point", "intensity": 9, "position": [0, 0, 6])",
+                    above = R"("type": "point", "intensity": 9, "position": [0, 9, 0])",
+                    sun = R"("type": "distant", "irradiance": 1, "direction": [0, 0, -1])";
+  for (const std::string& light : {front, sun}) {
+    const std::string out = lit_by(light, "16,12");
+    EXPECT_TRUE(has(out, "  shadow ray ") && has(out, ", reaches its light\n")) << out;
+  }
+  const std::string below = lit_by(above, "16,22");
+  EXPECT_TRUE(has(below, ", is blocked by rock at a distance of ")) << below;
+  EXPECT_FALSE(has(below, "reaches its light")) << below;
+  // Half of the light comes through a veil, all of it is asked for.
+  const std::string veil =
+      R"(materials=[{"name": "grey", "type": "diffuse"},
+                    {"name": "veil", "type": "principled", "opacity": 0.5}])";
+  const std::string veiled = lit_by(front, "16,12",
+                                    {"--set", veil, "--set",
+                                     R"(instances=[{"geometry": "rock", "material": "grey"},
+                     {"geometry": "floor", "name": "veil", "material": "veil",
+                      "rotate": [90, 0, 0], "translate": [0, 0, 4], "visible_to_camera": false}])"});
+  EXPECT_TRUE(has(veiled, ", meets nothing solid\n")) << veiled;
+  EXPECT_TRUE(has(veiled, "  cut-out ray ") && has(veiled, ", hits veil at a distance of "))
+      << veiled;
+  EXPECT_TRUE(has(veiled, ", reaches its light\n")) << veiled;
 }
 
 TEST_F(RenderCommandTest, FullDisksAreFailuresThatLeaveNothing) {

@@ -185,12 +185,14 @@ TEST_F(SectionFiles, HostileDirectories) {
 
 // Whoever gives a scene is told so, however short it is and whatever stands before its brace.
 TEST_F(SectionFiles, ScenesAreTakenForWhatTheyAre) {
-  for (const char* text : {"{}", "{\"morsel\": 1}", "// a rock\n{}", "\xEF\xBB\xBF{}", "\n  []"})
+  for (const char* text :
+       {"{}", "{\"morsel\": 1}", "// a rock\n{}", "\xEF\xBB\xBF{}", "\n  /* a rock */ {}"})
     EXPECT_NE(error_of(text).find("wrong first bytes, those of a JSON file or a scene"),
               std::string::npos)
         << error_of(text);
   EXPECT_NE(error_of("solid").find("wrong first bytes"), std::string::npos);
-  EXPECT_EQ(error_of("solid").find("scene"), std::string::npos);
+  for (const char* text : {"solid", "[section]", "/usr/bin", " \n "})
+    EXPECT_EQ(error_of(text).find("scene"), std::string::npos) << error_of(text);
   for (const std::size_t length : {0u, 3u, 8u, 63u})
     EXPECT_NE(error_of(good_.substr(0, length)).find("bytes are fewer than its header has"),
               std::string::npos)
