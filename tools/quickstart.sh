@@ -7,7 +7,7 @@ usage() {
 Usage: tools/quickstart.sh [OPTION]...
 From a bare Debian 12 or 13 to a picture: installs missing packages, builds Morsel, computes the
 topology cache of the default scene and renders it at 640 x 360 pixels. On two processors that
-takes about ten minutes, nearly all of them for compiling. What is up to date is not done again.
+takes about thirteen minutes, nearly all of them for compiling. What is up to date is not done again.
 
   --no-render     stop after the topology cache
   --no-packages   do not look for missing Debian packages

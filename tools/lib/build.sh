@@ -49,7 +49,7 @@ configure_and_build() {
 
   begin_step "Build"
   if [[ ! -e $BUILD_DIR/bin/morsel && ${#targets[@]} -gt 0 ]]; then
-    echo "The programs have to be compiled: five to ten minutes on two processors."
+    echo "The programs have to be compiled: about twelve minutes on two processors."
   fi
   cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
   end_step
