@@ -10,7 +10,6 @@ namespace {
 
 using topology::Interval;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnderflow = 1e-250;  // a quotient that underflows, times powers of 1 / k
 
 Interval constant(double x) { return Interval::point(x); }

@@ -3,8 +3,10 @@
 // the same file at once, and disks that are full.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <limits>
 #include <random>
 #include <thread>
 
@@ -29,10 +31,18 @@ class CrashTest : public ::testing::Test {
   CommandResult run(const std::vector<std::string>& arguments) const {
     return run_morsel(arguments, here());
   }
-  double seconds(const std::vector<std::string>& arguments) const {
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_EQ(run(arguments).code, 0);
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  // The shortest of a few runs: what other work does to one of them must not put kills after the
+  // end of the rest.
+  double seconds(const std::vector<std::string>& arguments, const char* output) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+      std::filesystem::remove(folder_ / output);
+      const auto start = std::chrono::steady_clock::now();
+      EXPECT_EQ(run(arguments).code, 0);
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      shortest = std::min(shortest, took.count());
+    }
+    return shortest;
   }
   // Whether it was killed before its end.
   bool run_and_kill(const std::vector<std::string>& arguments, double after) const {
@@ -54,7 +64,7 @@ const std::vector<std::string> kRender{"render", "scene.json", "--spp", "64",   
                                        "a.topo", "--quiet",    "-o",    "a.exr"};
 
 TEST_F(CrashTest, KilledBuildsLeaveNoCacheOrAGoodOne) {
-  const double whole = seconds(kBuild);
+  const double whole = seconds(kBuild, "a.topo");
   const std::string before = run({"cache", "info", "a.topo", "--json"}).out;
   int killed = 0;
   for (int i = 0; i < kKills; ++i) {
@@ -82,7 +92,7 @@ TEST_F(CrashTest, KilledBuildsLeaveNoCacheOrAGoodOne) {
 
 TEST_F(CrashTest, KilledRendersLeaveTheOldPictureOrTheNewOne) {
   ASSERT_EQ(run(kBuild).code, 0);
-  const double whole = seconds(kRender);
+  const double whole = seconds(kRender, "a.exr");
   const std::string good = exr_pixels(folder_ / "a.exr");
   std::vector<std::string> old_render = kRender;
   old_render[3] = "3";
