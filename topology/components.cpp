@@ -51,9 +51,9 @@ KeepRule KeepRule::parse(const std::string& text) {
   const bool has_argument = colon != std::string::npos;
   const std::string argument = has_argument ? text.substr(colon + 1) : "";
   KeepRule rule;
-  const auto plain = [&](Kind kind) {
+  const auto plain = [&](Kind one) {
     if (has_argument) bad_rule(text, fmt::format("{} takes no argument", name));
-    rule.kind = kind;
+    rule.kind = one;
   };
   if (name == "main") {
     plain(Kind::kMain);
