@@ -46,7 +46,13 @@ if [[ $valgrind == --valgrind ]]; then
   # What the loader, TBB's workers and Embree keep to the end is reachable; anything lost is a leak.
   valgrind --quiet --error-exitcode=9 --leak-check=full --show-leak-kinds=definite \
     --errors-for-leak-kinds=definite "$viewer" main rock.topo main.ppm 24 18 2>"$folder/valgrind" ||
-    { cat "$folder/valgrind"; fail "valgrind complains"; }
+    {
+      cat "$folder/valgrind"
+      # Highway's library reads the processor's clock when it is loaded, by an instruction that valgrind knows only on
+      # machines that announce it (rdtscp in /proc/cpuinfo; virtual ones may not).
+      if grep -q 'SIGILL' "$folder/valgrind" && grep -q 'TimerResolution' "$folder/valgrind"; then exit 77; fi
+      fail "valgrind complains"
+    }
   exit 0
 fi
 
