@@ -87,8 +87,14 @@ const CLI::Option* without_value(const CLI::App& command, std::string_view said)
   return nullptr;
 }
 
+// "INT", "FLOAT:POSITIVE"; the parser's "INT:INT in [1 - 26]" says the type twice.
+std::string type_of(const CLI::Option& option) {
+  const std::string name = option.get_type_name(), once = name.substr(name.find(':') + 1);
+  return once.starts_with(name.substr(0, name.find(':')) + " in ") ? once : name;
+}
+
 std::string missing_value(const CLI::Option& option) {
-  return fmt::format("{}: a value is missing ({})", option.get_name(), option.get_type_name());
+  return fmt::format("{}: a value is missing ({})", option.get_name(), type_of(option));
 }
 
 bool is_flag(std::string_view word) {
@@ -101,8 +107,10 @@ bool has_flag(const CLI::App& command, const std::string& word) {
 }
 
 // Of a number's flag that took something else for its value: another flag, which may be one of the
-// command's or not. The parser's texts are "Could not convert: --spp = --foo", of all values that
-// were given, and "--threads: Value --foo not in range 1 to 8". Empty: it is not one of these.
+// command's or not, or what is no number or out of range (an open range, in the parser's words,
+// ends at a number of 309 digits). The parser's texts are "Could not convert: --spp = --foo", of
+// all values that were given, and "--threads: Value --foo not in range 1 to 8". Empty: it is not
+// one of these.
 std::string bad_value(const CLI::App& command, std::string_view said) {
   for (const CLI::Option* option : command.get_options()) {
     const std::string convert = "Could not convert: " + option->get_name() + " = ",
@@ -113,14 +121,13 @@ std::string bad_value(const CLI::App& command, std::string_view said) {
       value.erase(0, value.find_last_of(',') + 1);
     } else if (said.starts_with(range)) {
       value = said.substr(range.size(), said.find(" not in range") - range.size());
-      if (!is_flag(value)) return "";
     } else {
       continue;
     }
     if (option->get_items_expected_min() == 0)
       return fmt::format("{}={}: takes no value", option->get_name(), value);
     if (!is_flag(value))
-      return fmt::format("{} {}: must be {}", option->get_name(), value, option->get_type_name());
+      return fmt::format("{} {}: must be {}", option->get_name(), value, type_of(*option));
     const std::string missing = missing_value(*option);
     return has_flag(command, value) ? missing : missing + "; " + unexpected(command, value);
   }

@@ -66,6 +66,9 @@ TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
        "cache verify: b.json: there is no place"},
       {{"render"}, "render: SCENE is required; see \"morsel render --help\""},
       {{"render", "a.json", "--spp", "x"}, "render: --spp x: must be INT"},
+      {{"render", "a.json", "--threads", "5000"},
+       "render: --threads 5000: must be INT in [0 - 4096]; see"},
+      {{"mesh", "a.json", "--error", "-3"}, "mesh: --error -3: must be FLOAT:POSITIVE; see"},
       {{"render", "a.json", "--spp", "--sampels"},
        "render: --spp: a value is missing (INT); --sampels: unknown flag, did "
        "you mean \"--spp\"?"},
