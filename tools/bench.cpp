@@ -18,6 +18,7 @@
 #include "tools/commands.h"
 #include "tools/count_engines.h"
 #include "tools/loading_progress.h"
+#include "tools/number_range.h"
 #include "tools/output_file.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
@@ -216,7 +217,7 @@ void add_bench(CLI::App& parent, Session& session) {
   command
       ->add_option("--error", options->vs_mesh.error,
                    "Error of the mesh as a share of the diagonal of what is kept")
-      ->check(CLI::Range(1e-7, 0.1))
+      ->check(number_from(1e-7, 0.1))
       ->capture_default_str();
   command->add_option("--resolution", options->vs_mesh.side, "Side of the image for primary rays")
       ->check(CLI::Range(16, 8192))

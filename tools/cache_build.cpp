@@ -10,6 +10,7 @@
 #include "renderer/scene/cache_store.h"
 #include "renderer/scene/scene_json.h"
 #include "tools/commands.h"
+#include "tools/number_range.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
 #include "topology/morse/engine.h"
@@ -272,7 +273,7 @@ void add_cache_build(CLI::App& parent, Session& session) {
           "--perturb", options->perturbation,
           "morse, both: look for critical points of the field plus a linear term that is at "
           "most this on the box, for fields whose critical points are not isolated")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from_zero());
   command
       ->add_option(
           "--audit-euler", options->euler,

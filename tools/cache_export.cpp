@@ -8,6 +8,7 @@
 
 #include "tools/commands.h"
 #include "tools/network_mesh.h"
+#include "tools/number_range.h"
 #include "tools/output_file.h"
 #include "topology/cache_file.h"
 #include "topology/morse/export.h"
@@ -90,7 +91,7 @@ void add_cache_export(CLI::App& parent, Session& session) {
       ->add_option("--radius", options->radius,
                    "--ply: radius of the tubes in object space, the balls' is twice that (default: "
                    "a five-hundredth of the box)")
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   command->add_option("--axis", options->axis, "--svg: look along this axis")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();

@@ -12,6 +12,7 @@
 #include "renderer/scene/scene_json.h"
 #include "tools/commands.h"
 #include "tools/mesh_file.h"
+#include "tools/number_range.h"
 #include "tools/output_file.h"
 #include "tools/reporter.h"
 #include "tools/scene_options.h"
@@ -167,7 +168,7 @@ void add_mesh(CLI::App& parent, Session& session) {
       ->add_option("--error", options->mesh.error,
                    "Largest distance of the mesh from the surface, in object-space lengths")
       ->required()
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   command->add_option("--keep", options->keep,
                       "Components to mesh instead of those that the scene keeps: main, largest:K, "
                       "volume:V, touching:X,Y,Z, all, detached, ids:I,J,...");

@@ -180,11 +180,15 @@ render::LoadedScene load_for_render(const RenderPlan& plan, Reporter& reporter,
   options.execution.progress = loading_progress(reporter);
   options.warn = [&](const std::string& message) { reporter.warn(message); };
   options.check_image = check_image;
+  options.max_brick_file = plan.max_brick_file;
   render::LoadedScene loaded = render::load_scene(plan.scene, plan.overrides, options);
   loaded.scene.settings.crop = plan.crop;
-  for (const render::HypertextureReport& h : loaded.hypertextures)
+  for (const render::HypertextureReport& h : loaded.hypertextures) {
     reporter.debug(fmt::format("{}: cache {} {}", h.geometry, h.built ? "built" : "read from",
                                h.cache_file.string()));
+    reporter.debug(fmt::format("{}: {} bricks {}", h.geometry, h.bricks,
+                               h.bricks_were_read ? "read" : "made"));
+  }
   if (cancel.load()) throw topology::Cancelled();
   return loaded;
 }

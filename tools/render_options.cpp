@@ -8,6 +8,7 @@
 #include "renderer/image/denoise.h"
 #include "renderer/scene/readers.h"
 #include "renderer/scene/scene_json.h"
+#include "tools/number_range.h"
 #include "tools/parse_values.h"
 #include "tools/scene_options.h"
 #include "tools/session.h"
@@ -216,6 +217,7 @@ std::vector<RenderPlan> plan_renders(const RenderFlags& flags) {
     plan.time_limit = time_limit;
     plan.stop_at_nan = flags.stop_at_nan;
     plan.threads = flags.threads;
+    plan.max_brick_file = bytes_of(flags.max_brick_file);
     plans.push_back(std::move(plan));
   }
   // Once all scenes are known to be right: what is wrong with the call comes before the disk.
@@ -276,6 +278,12 @@ void add_render_flags(CLI::App& command, RenderFlags& flags) {
       ->type_name("TEXT:{labels,streamline,off}");
   command.add_option("--cache", flags.cache,
                      "Topology cache of the scene's only hypertexture; built if missing");
+  command
+      .add_option("--max-brick-file", flags.max_brick_file,
+                  "GiB that the bricks of a hypertexture may have to be kept beside its topology "
+                  "cache for the next render; 0: they are neither read nor kept")
+      ->check(number_from(0.0, 1e6))
+      ->capture_default_str();
   command.add_flag("--denoise", flags.denoise,
                    "Write a denoised layer too, and the preview of it (if this build can)");
   // Not in the flag's own help, of which the man page is made: that is the same for all builds.

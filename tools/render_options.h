@@ -23,6 +23,7 @@ struct RenderFlags {
   bool no_png = false;
   std::optional<std::int64_t> spp, seed;
   int threads = 0;
+  double max_brick_file = 1.0;  // GiB
   std::string resolution, crop, keep, solver, membership, cache, stats;
   std::string time_limit, checkpoint, checkpoint_interval = "2%", shard, preview, debug_pixel;
   bool resume = false, denoise = false, check = false, stop_at_nan = false;
@@ -58,6 +59,7 @@ struct RenderPlan {
   bool resume = false;
   std::optional<double> time_limit;  // seconds
   int threads = 0;
+  std::uint64_t max_brick_file = 0;  // bytes
   bool stop_at_nan = false;
 };
 

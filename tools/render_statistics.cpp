@@ -20,6 +20,7 @@ json hypertexture_json(const render::HypertextureReport& report) {
           {"kept", report.kept},
           {"certified", report.certified},
           {"bricks", report.bricks},
+          {"bricks_read", report.bricks_were_read},
           {"bytes", report.bytes}};
 }
 
@@ -174,11 +175,11 @@ std::string statistics_text(const json& s) {
   std::string text;
   for (const json& h : s["hypertextures"])
     text += fmt::format(
-        "{:<14} {} of {} components kept, {} bricks, {:.1f} MiB, cache {} ({:.2f} s)\n",
+        "{:<14} {} of {} components kept, {} bricks {}, {:.1f} MiB, cache {} ({:.2f} s)\n",
         h["geometry"].get<std::string>(), h["kept"].get<std::uint64_t>(),
         h["components"].get<std::uint64_t>(), h["bricks"].get<std::uint64_t>(),
-        h["bytes"].get<double>() / 1048576, h["cache_built"].get<bool>() ? "built" : "read",
-        h["cache_build_seconds"].get<double>());
+        h["bricks_read"].get<bool>() ? "read" : "made", h["bytes"].get<double>() / 1048576,
+        h["cache_built"].get<bool>() ? "built" : "read", h["cache_build_seconds"].get<double>());
   text += fmt::format("{:<14} {} triangles, {} bricks, {:.1f} MiB in Embree\n", "scene",
                       s["acceleration"]["triangles"].get<std::uint64_t>(),
                       s["acceleration"]["bricks"].get<std::uint64_t>(),

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "renderer/scene/scene_json.h"
+#include "tools/number_range.h"
 
 namespace morsel::tools {
 
@@ -46,7 +47,7 @@ void add_max_memory_option(CLI::App& command, double& gib, const std::string& wh
   command
       .add_option("--max-memory", gib,
                   "GiB that " + what + "; 0: no limit; left out: 7/8 of the machine's memory")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_from(0.0, 1e6));
 }
 
 double default_max_memory() {

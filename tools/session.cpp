@@ -59,7 +59,7 @@ int run_command_line(int argc, char** argv, const std::function<void(CLI::App&, 
   session.cancel = &install_interrupt_handler();
   ignore_file_size_signal();
   add(app, session);
-  let_last_win(app);
+  tighten(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version

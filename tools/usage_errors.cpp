@@ -69,6 +69,8 @@ std::string nearest_flag(const CLI::App& command, std::string_view word) {
 std::string unexpected(const CLI::App& command, const std::string& word) {
   if (word.starts_with("--") && word.size() > 2)
     return fmt::format("{}: unknown flag{}", word, did_you_mean(nearest_flag(command, word)));
+  // Of "-q=3" the parser says that there is no flag "-=3".
+  if (word.starts_with("-=")) return fmt::format("{}: a flag of one letter takes no value", word);
   if (word.starts_with('-') && word.size() > 1) return fmt::format("{}: unknown flag", word);
   const std::vector<std::string> names = subcommands_of(command);
   // A command with commands below takes no other words, unless it is one in its own right.
@@ -87,10 +89,20 @@ const CLI::Option* without_value(const CLI::App& command, std::string_view said)
   return nullptr;
 }
 
-// "INT", "FLOAT:POSITIVE"; the parser's "INT:INT in [1 - 26]" says the type twice.
+// What a flag takes. The parser has "INT", "FLOAT:POSITIVE", "UINT:INT in [2 - 8192]", "TEXT", and
+// "TEXT:{model,segment,sphere}".
 std::string type_of(const CLI::Option& option) {
-  const std::string name = option.get_type_name(), once = name.substr(name.find(':') + 1);
-  return once.starts_with(name.substr(0, name.find(':')) + " in ") ? once : name;
+  const std::string name = option.get_type_name();
+  const std::string type = name.substr(0, name.find(':')), check = name.substr(type.size());
+  if (type == "TEXT") return check.empty() ? "text" : check.substr(1);
+  if (type != "INT" && type != "UINT" && type != "FLOAT") return name;
+  const std::string number = type == "FLOAT" ? "a number" : "a whole number";
+  if (check == ":POSITIVE") return number + " above 0";
+  if (check == ":NONNEGATIVE") return number + ", 0 or more";
+  const std::size_t from = check.find('['), to = check.find(" - ");
+  if (from == std::string::npos || to == std::string::npos) return number;
+  return fmt::format("{} from {} to {}", number, check.substr(from + 1, to - from - 1),
+                     check.substr(to + 3, check.find(']') - to - 3));
 }
 
 std::string missing_value(const CLI::Option& option) {
@@ -139,6 +151,9 @@ std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   const std::string_view said = error.what();
   if (const std::string text = bad_value(command, said); !text.empty()) return text;
   if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
+  constexpr std::string_view kOverride = " was given a disallowed flag override";
+  if (said.ends_with(kOverride))
+    return fmt::format("{}: takes no value", said.substr(0, said.size() - kOverride.size()));
   const CLI::Option* const without =
       error.get_name() == "ArgumentMismatch" ? without_value(command, said) : nullptr;
   const std::vector<std::string> rest = command.remaining();
@@ -161,12 +176,14 @@ std::string problem(const CLI::App& command, const CLI::ParseError& error) {
 
 }  // namespace
 
-void let_last_win(CLI::App& app) {
-  for (CLI::Option* option : app.get_options())
+void tighten(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() == 0) option->disable_flag_override();
     if (!option->get_positional() && option->get_items_expected_max() == 1 &&
         option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw)
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  for (CLI::App* command : app.get_subcommands({})) let_last_win(*command);
+  }
+  for (CLI::App* command : app.get_subcommands({})) tighten(*command);
 }
 
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {

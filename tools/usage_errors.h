@@ -7,8 +7,9 @@
 namespace morsel::tools {
 
 // A flag with one value that is given again takes the last: scripts append theirs to a command.
-// Lists are left as they are. For all flags that the commands below `app` have by now.
-void let_last_win(CLI::App& app);
+// Lists are left as they are. A flag without a value takes none (CLI11 takes numbers). For all
+// flags that the commands below `app` have by now.
+void tighten(CLI::App& app);
 
 // What is wrong with a command line, once `app` failed to parse it: the command, the word, and what
 // it may have been meant to be.

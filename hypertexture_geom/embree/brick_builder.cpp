@@ -105,8 +105,11 @@ BrickBuilder::Part BrickBuilder::descend(const Place& place,
     // The surface seldom fills its block: terms that do not reach the bricks are left out.
     topology::Box bricks;
     for (const Brick& b : part.bricks) bricks.extendBy(set_.box(b));
-    part.blocks.push_back(
-        std::make_unique<CompiledField<double>>(*own, inflated(bricks, set_.margin_)));
+    const topology::Box reach = inflated(bricks, set_.margin_);
+    auto block = std::make_unique<CompiledField<double>>(*own, reach);
+    // Rounds as one that is read from a file, where only the whole field is at hand.
+    if (block->refers_to_field()) block = std::make_unique<CompiledField<double>>(*whole_, reach);
+    part.blocks.push_back(std::move(block));
     return part;
   }
   const std::uint32_t first = octree_.nodes[place.node].first_child;
@@ -184,6 +187,7 @@ BrickBuilder::Made BrickBuilder::make_brick(const Place& place, const topology::
 
 void BrickBuilder::build(const topology::ScalarField& field) {
   if (octree_.nodes.empty()) return;
+  whole_ = &field;
   contents_.resize(octree_.nodes.size());
   examine(0);
   Part all = descend({0, 0, {0, 0, 0}, 0}, field);

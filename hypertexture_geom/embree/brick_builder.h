@@ -57,6 +57,7 @@ class BrickBuilder {
   const std::vector<bool>& kept_;
   const BrickSet::Options& options_;
   const topology::Execution& execution_;
+  const topology::ScalarField* whole_ = nullptr;  // while build() runs
   std::vector<Content> contents_;
   mutable std::mutex progress_mutex_;
   mutable std::uint64_t done_ = 0, reported_ = 0;  // leaves

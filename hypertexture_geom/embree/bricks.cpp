@@ -10,12 +10,16 @@ namespace morsel::geom {
 BrickSet::BrickSet(const topology::ScalarField& field, const topology::OctreeView& octree,
                    const std::vector<bool>& kept, const Options& options,
                    const topology::Execution& execution)
-    : root_(octree.box), margin_(options.margin), slope_ranges_(options.slope_ranges) {
+    : BrickSet(octree.box, options) {
+  BrickBuilder(*this, octree, kept, options, execution).build(field);
+}
+
+BrickSet::BrickSet(const topology::Box& root, const Options& options)
+    : root_(root), margin_(options.margin), slope_ranges_(options.slope_ranges) {
   for (int depth = 0; depth < 32; ++depth) {
     sizes_[depth] = (root_.max - root_.min) * std::ldexp(1.0, -depth);
     scales_[depth] = Imath::V3d(2.0) / sizes_[depth];
   }
-  BrickBuilder(*this, octree, kept, options, execution).build(field);
 }
 
 std::size_t BrickSet::bytes() const {

@@ -73,6 +73,7 @@ struct alignas(64) Brick {
   // surface_lo to before surface_hi.
   std::uint8_t surface_lo[3], surface_hi[3];
   bool undecided;  // the leaf's content is not proved: its surface may be of several components
+  std::uint8_t reserved[5];  // 0: as files have it, without padding
   static constexpr int kSlices = 16;
 };
 static_assert(sizeof(Brick) == 128);
@@ -161,6 +162,8 @@ class BrickSet {
 
  private:
   friend class BrickBuilder;
+  friend class BrickFile;
+  BrickSet(const topology::Box& root, const Options& options);  // without bricks
   // The field of a block, restricted to it. No other form of it is kept: blocks are most of the
   // memory of a geometry with many octaves.
   using Block = std::unique_ptr<CompiledField<double>>;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hypertexture_geom/embree/geometry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
+#include "hypertexture_geom/embree/brick_file.h"
 #include "hypertexture_geom/embree/brick_surface.h"
 #include "hypertexture_geom/embree/callbacks.h"
 #include "hypertexture_geom/embree/lipschitz.h"
@@ -63,16 +66,53 @@ std::vector<topology::OctreeNode> octree_for_rays(const topology::TopologyCache&
                              options.solver == Solver::kSegment ? 0 : kMergeLevels);
 }
 
-std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box& box,
-                                         const topology::OctreeView& octree,
-                                         const std::vector<bool>& keep, std::uint64_t cells,
-                                         const GeometryOptions& options,
-                                         const topology::Execution& execution) {
+// From the file that keeps them, or made and written to it.
+BrickSet make_bricks(const Field& field, const BrickFile::Source& source,
+                     const BrickKeeping& keeping, const topology::Execution& execution,
+                     bool& were_read) {
+  const auto make = [&] {
+    return BrickSet(field, source.octree, source.kept, source.options, execution);
+  };
+  if (keeping.stem.empty() || source.field_hash.empty()) return make();
+  const BrickFile file(keeping.stem, source);
+  const auto warn = [&](const std::string& text) {
+    if (keeping.warn) keeping.warn(text);
+  };
+  try {
+    if (std::optional<BrickSet> read = file.read(field, execution)) {
+      were_read = true;
+      return std::move(*read);
+    }
+  } catch (const topology::CacheError& e) {
+    warn(fmt::format("{}; bricks are made anew, as they will be until it is removed", e.what()));
+    return make();
+  }
+  BrickSet made = make();
+  try {
+    if (keeping.may_write && made.bytes() <= keeping.max_bytes) file.write(made);
+  } catch (const topology::CacheError& e) {
+    warn(fmt::format("{}; bricks are not kept for the next run", e.what()));
+  }
+  return made;
+}
+
+struct MadeSurface {
+  std::unique_ptr<RaySurface> surface;
+  bool bricks_were_read = false;
+};
+
+MadeSurface make_surface(const Field& field, const std::string& field_hash,
+                         const topology::Box& box, const topology::OctreeView& octree,
+                         const std::vector<bool>& keep, std::uint64_t cells,
+                         const GeometryOptions& options, const topology::Execution& execution) {
+  MadeSurface made;
+  std::unique_ptr<RaySurface>& surface = made.surface;
   const double diameter = diameter_of(box);
   const bool streamline = options.membership == Membership::kStreamline;
-  std::unique_ptr<RaySurface> surface;
-  if (box.isEmpty())  // nothing is kept
-    return std::make_unique<SphereSurface>(field, box, 0.0, 0.0);
+  if (box.isEmpty()) {  // nothing is kept
+    surface = std::make_unique<SphereSurface>(field, box, 0.0, 0.0);
+    return made;
+  }
   if (options.solver == Solver::kSphere) {
     topology::Box all = box;  // undecided leaves belong to no component, but may hold their surface
     octree.for_each_leaf([&](const topology::OctreeView::Leaf& leaf) {
@@ -92,8 +132,9 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box
       bricks.block_levels = sizing.block_levels;
     }
     surface = std::make_unique<BrickSurface>(
-        BrickSet(field, octree, streamline ? all : keep, bricks, execution), field,
-        kTolerance * diameter);
+        make_bricks(field, {field_hash, octree, streamline ? all : keep, bricks}, options.bricks,
+                    execution, made.bricks_were_read),
+        field, kTolerance * diameter);
   }
   if (streamline)
     surface->set_filter(make_streamline_filter(field, octree, keep, execution),
@@ -103,7 +144,7 @@ std::unique_ptr<RaySurface> make_surface(const Field& field, const topology::Box
                         options.membership == Membership::kOff ? RaySurface::Filtered::kNone
                                                                : RaySurface::Filtered::kMixed);
   if (options.check_bounds) surface->check_bounds();
-  return surface;
+  return made;
 }
 
 // Whether F is proved to fall along `direction` everywhere in the box that x and p span.
@@ -132,6 +173,7 @@ struct HypertextureGeometry::Impl {
   std::vector<topology::OctreeNode> octree;  // the cache's, coarsened
   double diameter;
   std::unique_ptr<const RaySurface> surface;
+  bool bricks_were_read = false;
   topology::Box bounds;
   CallbackData callback_data;
 
@@ -142,12 +184,16 @@ struct HypertextureGeometry::Impl {
         keep(kept(*cache, options)),
         octree(octree_for_rays(*cache, keep, options)) {
     const topology::Box kept_bounds = bounds_of(*cache, keep), root = cache->topology.box;
+    const std::string field_hash = cache->field_hash;
     cache.reset();  // perhaps the last to hold it, and large: bricks need the memory
     diameter = diameter_of(kept_bounds);
     std::uint64_t cells = 0;
     for (std::size_t i = 0; i < keep.size(); ++i)
       if (keep[i]) cells += components[i].cells;
-    surface = make_surface(*field, kept_bounds, {root, octree}, keep, cells, options, execution);
+    MadeSurface made = make_surface(*field, field_hash, kept_bounds, {root, octree}, keep, cells,
+                                    options, execution);
+    surface = std::move(made.surface);
+    bricks_were_read = made.bricks_were_read;
     for (std::uint32_t i = 0; i < surface->size(); ++i) bounds.extendBy(surface->bounds(i));
     callback_data = {surface.get(), padding(options.far_distance)};
   }
@@ -272,7 +318,7 @@ GeometryStatistics HypertextureGeometry::statistics() const {
                               impl_->octree.capacity() * sizeof(topology::OctreeNode) +
                               impl_->components.capacity() * sizeof(topology::Component) +
                               impl_->keep.capacity() / 8;
-  return {s.size(), s.blocks(), bytes, s.limits(), s.violations()};
+  return {s.size(), impl_->bricks_were_read, s.blocks(), bytes, s.limits(), s.violations()};
 }
 
 const Field& HypertextureGeometry::field() const { return *impl_->field; }

@@ -4,8 +4,11 @@
 #include <Imath/ImathVec.h>
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "hypertexture_geom/embree/compat.h"  // the only place that includes Embree's headers
 #include "hypertexture_geom/embree/shading.h"
@@ -14,6 +17,18 @@
 #include "topology/cache_file.h"
 
 namespace morsel::geom {
+
+// Bricks of one run for the next: making them takes longer than labels do (brick_file.h).
+struct BrickKeeping {
+  // Files' names begin with this, usually the topology cache's without its extension; empty: no
+  // files. Needs a cache that knows its field_hash; Solver::kSphere has no bricks.
+  std::filesystem::path stem;
+  bool may_write = true;  // rather than read only
+  std::uint64_t max_bytes = std::uint64_t{1}
+                            << 30;  // of bricks in memory, which files are not above
+  // A file that cannot be read, which stays as it is, or written: bricks are made all the same.
+  std::function<void(const std::string&)> warn;
+};
 
 struct GeometryOptions {
   topology::KeepRule keep;
@@ -26,11 +41,13 @@ struct GeometryOptions {
   // Debug mode: every evaluation is compared with the bound that the solver relies on there; see
   // GeometryStatistics::violations.
   bool check_bounds = false;
+  BrickKeeping bricks = {};
 };
 
 struct GeometryStatistics {
   std::uint64_t bricks = 0;
-  std::uint64_t blocks = 0;  // restricted fields that the bricks share
+  bool bricks_were_read = false;  // from a file
+  std::uint64_t blocks = 0;       // restricted fields that the bricks share
   // Bricks, these fields, the coarsened octree, the table of components and what filters know:
   // everything but the geometry's own field.
   std::uint64_t bytes = 0;

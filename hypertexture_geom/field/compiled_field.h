@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <utility>
 
 #include "hypertexture_geom/field/tape.h"
 #include "topology/box.h"
@@ -46,6 +47,25 @@ class CompiledField {
   // `field` itself, if it has to be asked, is kept alive by the caller only while this runs:
   // restrictions are kept here.
   CompiledField(const topology::ScalarField& field, const topology::Box& box);
+
+  // All that it consists of when it does not refer to a field: to be kept elsewhere, and made one
+  // of again. A tape that comes from a file has to be looked at first, see tape_check.h.
+  struct Parts {
+    topology::Box box;
+    Imath::V3d centre{0.0};
+    double value_error = 0.0;
+    Imath::V3d gradient_error{0.0};
+    Tape<T> tape;
+  };
+  explicit CompiledField(Parts parts)
+      : box_(parts.box),
+        centre_(parts.centre),
+        value_error_(parts.value_error),
+        gradient_error_(parts.gradient_error),
+        tape_(std::move(parts.tape)) {}
+  const Tape<T>& tape() const { return tape_; }
+  // Some of its terms are evaluated by the field itself, restricted.
+  bool refers_to_field() const { return restricted_ != nullptr; }
 
   const topology::Box& box() const { return box_; }
   const Imath::V3d& centre() const { return centre_; }

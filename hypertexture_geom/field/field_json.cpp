@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "hypertexture_geom/field/canonical.h"
@@ -12,6 +12,7 @@
 #include "hypertexture_geom/field/registry.h"
 #include "hypertexture_geom/field/tape_builder.h"
 #include "topology/bound_solid.h"
+#include "topology/fingerprint.h"
 
 namespace morsel::geom {
 namespace {
@@ -52,12 +53,6 @@ class SceneField final : public Field {
   const Expression* root_;
   json canonical_;
 };
-
-std::string fingerprint(const json& canonical) {
-  const std::string text = canonical.dump();
-  const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
 
 const params::Declaration& bounds_declaration() {
   static const params::Declaration declaration{
@@ -217,7 +212,8 @@ Hypertexture hypertexture_from_json(const json& value, const Place& place,
                  {"box", {b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z}},
                  {"min_depth", h.certify.min_depth},
                  {"max_depth", h.certify.max_depth}};
-  h.hash = fingerprint(h.canonical);
+  const std::string text = h.canonical.dump();
+  h.hash = topology::fingerprint(std::as_bytes(std::span(text)));
   return h;
 }
 

@@ -38,12 +38,14 @@ struct TapeInstruction {
   static constexpr std::uint16_t kInput = 0xffff;  // in place of point registers: the tape's input
 
   TapeOp op = TapeOp::kConstant;
+  std::uint8_t reserved = 0;  // as files have it: without padding
   std::uint16_t out = 0, a = 0, b = 0;
   std::uint16_t point[3] = {kInput, kInput, kInput};
   std::uint32_t constants = 0;  // where its constants begin
   std::uint32_t words = 0;      // and its integers
   std::uint32_t count = 0;
 };
+static_assert(sizeof(TapeInstruction) == 28);
 
 struct OpaqueField {
   const topology::ScalarField* field = nullptr;

@@ -2,6 +2,7 @@
 #include "renderer/scene/load_scene.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -312,6 +313,18 @@ class SceneLoader {
       throw topology::CacheError(found.problem);
   }
 
+  // Beside the topology cache, where that could be written itself.
+  void keep_bricks(const std::filesystem::path& cache, geom::BrickKeeping& bricks) const {
+    std::error_code ignored;
+    if (options_.max_brick_file == 0 || !std::filesystem::exists(cache, ignored)) return;
+    bricks.stem = std::filesystem::path(cache).replace_extension();
+    bricks.max_bytes = options_.max_brick_file;
+    // A share that is only read is no reason for a warning.
+    const std::filesystem::path folder = cache.has_parent_path() ? cache.parent_path() : ".";
+    bricks.may_write = ::access(folder.c_str(), W_OK | X_OK) == 0;
+    bricks.warn = [this](const std::string& text) { warn(text); };
+  }
+
   std::shared_ptr<const geom::HypertextureGeometry> make_hypertexture(
       const geom::Hypertexture& hypertexture) {
     const StoredCache stored = store_.get(hypertexture, options_.execution, options_.warn);
@@ -321,6 +334,7 @@ class SceneLoader {
     ray_options.keep = hypertexture.keep;
     ray_options.solver = hypertexture.solver;
     ray_options.membership = hypertexture.membership;
+    keep_bricks(stored.file, ray_options.bricks);
     auto geometry = std::make_shared<const geom::HypertextureGeometry>(
         hypertexture.field, stored.cache, ray_options, options_.execution);
 
@@ -335,6 +349,7 @@ class SceneLoader {
     report.kept = static_cast<std::uint64_t>(std::count(kept.begin(), kept.end(), true));
     report.certified = topology.certified;
     report.bricks = geometry->statistics().bricks;
+    report.bricks_were_read = geometry->statistics().bricks_were_read;
     report.bytes = geometry->statistics().bytes;
     result_.hypertextures.push_back(std::move(report));
     if (geometry->statistics().bricks == 0)

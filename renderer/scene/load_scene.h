@@ -20,6 +20,9 @@ struct LoadOptions {
   std::function<void(const std::filesystem::path&)> check_image;
   // ^ throws std::runtime_error when the image cannot be read; called early, so that minutes of
   // other work are not lost. May be empty: then only that the file is there is checked.
+  // Bytes that the bricks of a hypertexture may have to be kept in files beside its topology cache.
+  // 0: such files are neither read nor written.
+  std::uint64_t max_brick_file = 0;
 };
 
 // What loading a hypertexture geometry took.
@@ -31,7 +34,8 @@ struct HypertextureReport {
   std::uint64_t components = 0, kept = 0;
   bool certified = false;
   std::uint64_t bricks = 0;
-  std::uint64_t bytes = 0;  // of the geometry in memory
+  bool bricks_were_read = false;  // rather than made
+  std::uint64_t bytes = 0;        // of the geometry in memory
 };
 
 struct LoadedScene {

@@ -33,7 +33,7 @@ TEST_F(RenderCommandTest, WritesPictureAndPreviewAndNamesThem) {
   EXPECT_EQ(result.out, "scene.exr\nscene.png\n");
   EXPECT_TRUE(exists("scene.exr"));
   EXPECT_TRUE(exists("scene.png"));
-  EXPECT_EQ(folder_.count_files(), 4u);  // the scene, two pictures, the cache
+  EXPECT_EQ(folder_.count_files(), 5u);  // the scene, two pictures, the cache, its bricks
   EXPECT_EQ(read_text(folder_ / "scene.exr").substr(0, 4), "\x76\x2f\x31\x01");
   EXPECT_EQ(read_text(folder_ / "scene.png").substr(1, 3), "PNG");
 }
@@ -124,6 +124,36 @@ TEST_F(RenderCommandTest, ProgressIsOfAllThatTakesLong) {
     EXPECT_NE(result.err.find("\"phase\":\"" + std::string(phase) + "\""), std::string::npos)
         << phase << '\n'
         << result.err;
+}
+
+// What is read is what was made: the same picture, without the phase that makes it.
+TEST_F(RenderCommandTest, BricksAreKeptForTheNextRender) {
+  const auto bricks_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"--stats", "json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const CommandResult result = render(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return json::parse(result.out)["hypertextures"][0]["bricks_read"].get<bool>();
+  };
+  EXPECT_FALSE(bricks_of({"-o", "a.exr", "--max-brick-file", "0"}));
+  EXPECT_FALSE(bricks_of({"-o", "b.exr"}));
+  EXPECT_TRUE(bricks_of({"-o", "c.exr"}));
+  EXPECT_FALSE(bricks_of({"--max-brick-file", "0"}));
+  EXPECT_FALSE(bricks_of({"--max-brick-file", "0.000001", "--keep", "all"}));
+  EXPECT_FALSE(bricks_of({"--keep", "all"}));
+  EXPECT_TRUE(bricks_of({"--keep", "all"}));
+  EXPECT_EQ(read_text(folder_ / "a.png"), read_text(folder_ / "b.png"));
+  EXPECT_EQ(read_text(folder_ / "a.png"), read_text(folder_ / "c.png"));
+  const CommandResult again = render({"--progress", "json"});
+  EXPECT_EQ(again.err.find("surface: bricks"), std::string::npos) << again.err;
+
+  // Damaged ones are told and made anew.
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
+    if (entry.path().extension() == ".bricks") std::filesystem::resize_file(entry.path(), 1000);
+  const CommandResult damaged = render({"-o", "d.exr"});
+  EXPECT_EQ(damaged.code, 0);
+  EXPECT_NE(damaged.err.find(".bricks: truncated"), std::string::npos) << damaged.err;
+  EXPECT_EQ(read_text(folder_ / "a.png"), read_text(folder_ / "d.png"));
 }
 
 TEST_F(RenderCommandTest, CheckReportsEveryProblemAndRendersNothing) {

@@ -47,7 +47,7 @@ TEST_F(RenderInParts, SignalsLeaveAPartialPictureAndACheckpoint) {
     EXPECT_NE(result.err.find("interrupted"), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("--resume"), std::string::npos) << result.err;
     EXPECT_TRUE(exists("scene.exr") && exists("scene.png") && exists("a.checkpoint"));
-    EXPECT_EQ(folder_.count_files(), 5u);  // and the scene and its cache
+    EXPECT_EQ(folder_.count_files(), 6u);  // and the scene, its cache and its bricks
   }
   // Refused when the scene has changed, and the file is left as it was.
   const std::string before = read_text(folder_ / "a.checkpoint");

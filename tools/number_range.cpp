@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/number_range.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+namespace morsel::tools {
+namespace {
+
+// CLI11 shows `description` in the help, and the name of the flag before the error.
+CLI::Validator where(const std::function<bool(double)>& holds, const std::string& description) {
+  return CLI::Validator(
+      [=](std::string& text) -> std::string {
+        double value = 0.0;
+        // What is no number is told by the conversion.
+        if (!CLI::detail::lexical_cast(text, value) || holds(value)) return "";
+        return fmt::format("Value {} not in range", text);
+      },
+      description);
+}
+
+}  // namespace
+
+CLI::Validator number_from(double least, double greatest) {
+  return where([=](double x) { return x >= least && x <= greatest; },
+               fmt::format("FLOAT in [{:g} - {:g}]", least, greatest));
+}
+
+CLI::Validator number_above_zero() {
+  return where([](double x) { return x > 0.0 && std::isfinite(x); }, "POSITIVE");
+}
+
+CLI::Validator number_from_zero() {
+  return where([](double x) { return x >= 0.0 && std::isfinite(x); }, "NONNEGATIVE");
+}
+
+}  // namespace morsel::tools
