@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "renderer/math/atan2.h"
+#include "renderer/math/sine_cosine.h"
 
 namespace morsel::render {
 namespace {
@@ -48,7 +49,7 @@ Environment::Environment(const EnvironmentImage& image, const V3f& scale, float 
     double mean = 0.0;
     for (int y = 0; y < height; ++y) {
       double sum = 0.0;
-      for (int x = 0; x < width; ++x) sum += target_of(texels_.corners(y, x).c);
+      for (int x = 0; x < width; ++x) sum += double{targets(texels_.corners(y, x))[2]};
       mean += sum / width * band(y, y + 1.0);
     }
     return static_cast<float>(mean);
@@ -66,8 +67,8 @@ Environment::Environment(const EnvironmentImage& image, const V3f& scale, float 
     double total = 0.0;
     std::fill(weight.begin(), weight.end(), 0.0);
     for (int x = 0; x < width; ++x) {
-      const auto [a, b, c, d] = targets(texels_.corners(row, x));
-      const double mean = 0.25 * (double{a} + b + c + d);
+      const Floats target = targets(texels_.corners(row, x));
+      const double mean = 0.25 * (double{target[0]} + target[1] + target[2] + target[3]);
       weight[static_cast<std::size_t>(x / EnvironmentTexels::kPatches)] += mean;
       total += mean;
     }
@@ -103,14 +104,16 @@ Environment::Patch Environment::patch(const V3f& wi) const {
   return p;
 }
 
-Environment::Corners<float> Environment::targets(const Corners<V3f>& texels) const {
-  return {target_of(texels.a), target_of(texels.b), target_of(texels.c), target_of(texels.d)};
+Environment::Floats Environment::targets(const EnvironmentTexels::Corners& texels) const {
+  const Floats more = texels.weighed(luminance_of_texel_) - not_sampled_;
+  return more > Floats{} ? more : Floats{};
 }
 
 // The chance of a patch is its mean times its row's solid angle, and the density within it is the
 // target over that mean: the mean cancels, and no table of probabilities is asked.
-float Environment::density(const Patch& p, const Corners<float>& target) const {
-  return p.sine > 0.0f ? target.at(p.position) * density_[static_cast<std::size_t>(p.row)] / p.sine
+float Environment::density(const Patch& p, const Floats& target) const {
+  return p.sine > 0.0f ? EnvironmentTexels::at(target, p.position) *
+                             density_[static_cast<std::size_t>(p.row)] / p.sine
                        : 0.0f;
 }
 
@@ -125,7 +128,7 @@ float Environment::pdf(const V3f& wi) const { return arriving(wi).pdf; }
 Environment::Arriving Environment::arriving(const V3f& wi) const {
   if (constant()) return {*constant_, 0.25f * kInvPi};
   const Patch p = patch(wi);
-  const Corners<V3f> around = texels_.corners(p.row, p.column);
+  const EnvironmentTexels::Corners around = texels_.corners(p.row, p.column);
   return {around.at(p.position) * scale_, density(p, targets(around))};
 }
 
@@ -159,15 +162,13 @@ LightSample Environment::sample(const Place& place) const {
   const auto &row = place.row, &block = place.block;
   Patch p;
   p.row = static_cast<int>(row.index);
-  const auto chosen = texels_.block(p.row, static_cast<int>(block.index));
   // Among the block's patches by what the four texels of each have in sum.
-  constexpr int kPatches = EnvironmentTexels::kPatches;
-  float upper[kPatches + 1], lower[kPatches + 1];
-  for (std::size_t i = 0; i <= kPatches; ++i) {
-    upper[i] = target_of(chosen.upper[i]);
-    lower[i] = target_of(chosen.lower[i]);
-  }
-  const int first = static_cast<int>(block.index) * kPatches;
+  constexpr int kPatches = EnvironmentTexels::kPatches, kRow = EnvironmentTexels::kRow;
+  const int index = static_cast<int>(block.index), first = index * kPatches;
+  float upper[EnvironmentTexels::kTexels];  // and, from kRow on, lower
+  texels_.weigh(p.row, index, luminance_of_texel_, upper);
+  for (float& t : upper) t = std::max(0.0f, t - not_sampled_);
+  const float* const lower = upper + kRow;
   const int patches = std::min(kPatches, width - first);
   float sum[kPatches], total = 0.0f;
   for (int i = 0; i < patches; ++i)
@@ -182,11 +183,9 @@ LightSample Environment::sample(const Place& place) const {
   }
   const float offset = total > 0.0f ? std::min(rest / sum[in_block], kOneMinusEpsilon) : 0.5f;
   p.column = first + in_block;
-  const auto k = static_cast<std::size_t>(in_block);
-  const Corners<V3f> around{chosen.upper[k], chosen.upper[k + 1], chosen.lower[k],
-                            chosen.lower[k + 1]};
-  const Corners<float> target{upper[k], upper[k + 1], lower[k], lower[k + 1]};
-  const auto [a, b, c, d] = target;
+  const EnvironmentTexels::Corners around = texels_.corners(p.row, index, in_block);
+  const float a = upper[in_block], b = upper[in_block + 1], c = lower[in_block],
+              d = lower[in_block + 1];
   // At a pole the patch is half as high, and the light does not change along it.
   float y = sample_linear(row.offset, a + b, c + d);
   if (p.row == 0) y = 0.5f + 0.5f * y;
@@ -194,18 +193,18 @@ LightSample Environment::sample(const Place& place) const {
   const float x = sample_linear(offset, a + (c - a) * y, b + (d - b) * y);
   p.position = V2f(x, y);
 
-  const float longitude =
-      2.0f * kPi * ((static_cast<float>(p.column) + 0.5f + x) / static_cast<float>(width) - 0.5f);
-  const float colatitude =
-      kPi * (static_cast<float>(p.row) - 0.5f + y) / static_cast<float>(height);
-  p.sine = std::max(0.0f, std::sin(colatitude));
-  const float east = p.sine * std::sin(longitude), south = -p.sine * std::cos(longitude);
+  const SineCosine longitude = sine_cosine_of_turns(
+      (static_cast<float>(p.column) + 0.5f + x) / static_cast<float>(width) - 0.5f);
+  const SineCosine colatitude = sine_cosine_of_turns(0.5f * (static_cast<float>(p.row) - 0.5f + y) /
+                                                     static_cast<float>(height));
+  p.sine = std::max(0.0f, colatitude.sine);
+  const float east = p.sine * longitude.sine, south = -p.sine * longitude.cosine;
 
   LightSample sample;
   sample.wi =
-      V3f(cosine_ * east + sine_ * south, std::cos(colatitude), cosine_ * south - sine_ * east);
+      V3f(cosine_ * east + sine_ * south, colatitude.cosine, cosine_ * south - sine_ * east);
   sample.radiance = around.at(p.position) * scale_;
-  sample.pdf = density(p, target);
+  sample.pdf = density(p, Floats{a, b, c, d});
   sample.distance = std::numeric_limits<float>::infinity();
   return sample;
 }

@@ -74,16 +74,12 @@ class Environment {
   // One texel: the same everywhere, sampled uniformly.
   bool constant() const { return constant_.has_value(); }
   Patch patch(const V3f& wi) const;
-  // What sampling follows, of a texel before scaling. Not a table of its own: wherever it is asked
-  // for, the texel is wanted too, and fetching from memory is what costs here.
-  float target_of(const V3f& texel) const {
-    return std::max(0.0f, dot(texel, luminance_of_texel_) - not_sampled_);
-  }
-  template <typename T>
-  using Corners = EnvironmentTexels::Corners<T>;
-  Corners<float> targets(const Corners<V3f>& texels) const;
+  using Floats = EnvironmentTexels::Floats;
+  // What sampling follows, of four texels before scaling. Not a table of its own: wherever it is
+  // asked for, the texels are wanted too, and fetching from memory is what costs here.
+  Floats targets(const EnvironmentTexels::Corners& texels) const;
   // Per solid angle, of a point in the patch.
-  float density(const Patch& patch, const Corners<float>& target) const;
+  float density(const Patch& patch, const Floats& target) const;
 
   EnvironmentTexels texels_;
   V3f scale_;               // radiance of a texel of 1

@@ -43,7 +43,9 @@ EnvironmentTexels::EnvironmentTexels(const EnvironmentImage& image)
       for (const int y : rows)
         for (int i = 0; i <= kPatches; ++i) {
           const V3f& t = texel(block * kPatches + i, y);
-          for (int c = 0; c < 3; ++c) to.half[at++] = to_half(std::ldexp(t[c], -exponent));
+          for (std::size_t c = 0; c < 3; ++c)
+            to.half[c * kTexels + at] = to_half(std::ldexp(t[static_cast<int>(c)], -exponent));
+          ++at;
         }
     }
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "renderer/math/huge_pages.h"
@@ -24,19 +25,29 @@ struct EnvironmentImage;
 // darker ones are 0.
 class EnvironmentTexels {
  public:
-  static constexpr int kPatches = 4;  // of a block
-  using Row = std::array<V3f, kPatches + 1>;
-  struct Block {
-    Row upper, lower;
-  };
-  // Of the four texels about a patch.
-  template <typename T>
+  static constexpr int kPatches = 4;         // of a block
+  static constexpr int kRow = kPatches + 1;  // texels of a row of a block
+  static constexpr int kTexels = 2 * kRow;   // of a block
+  // Four numbers in a register, by an extension that g++ and clang share. Of the texels about a
+  // patch: upper left and right, lower left and right.
+  using Floats = float __attribute__((vector_size(16)));
+
+  // The four texels about a patch, a channel in each.
   struct Corners {
-    T a, b, c, d;  // upper left and right, lower left and right
-    T at(const V2f& p) const {
-      return (a * (1.0f - p.x) + b * p.x) * (1.0f - p.y) + (c * (1.0f - p.x) + d * p.x) * p.y;
+    Floats channel[3];
+
+    V3f texel(int i) const { return {channel[0][i], channel[1][i], channel[2][i]}; }
+    Floats weighed(const V3f& weight) const {
+      return channel[0] * weight.x + channel[1] * weight.y + channel[2] * weight.z;
+    }
+    // Between them, [0, 1]^2.
+    V3f at(const V2f& p) const {
+      const Floats share = shares(p);
+      return {sum(channel[0] * share), sum(channel[1] * share), sum(channel[2] * share)};
     }
   };
+  // Bilinear interpolation between four numbers.
+  static float at(const Floats& corners, const V2f& p) { return sum(corners * shares(p)); }
 
   // `image` has as many texels as it says, finite and >= 0.
   explicit EnvironmentTexels(const EnvironmentImage& image);
@@ -46,37 +57,41 @@ class EnvironmentTexels {
   int blocks() const { return blocks_; }  // of a row; the last may have fewer patches
 
   void prefetch(int row, int block) const { __builtin_prefetch(&packed_[index(row, block)]); }
-  // row: 0 .. height.
-  Block block(int row, int block) const {
+  // dot(texel, weight) of each of a block's texels, its upper row first. row: 0 .. height.
+  void weigh(int row, int block, const V3f& weight, float (&sum)[kTexels]) const {
     const Packed& from = packed_[index(row, block)];
-    float value[kHalves];
-    for (int i = 0; i < kHalves; ++i) value[i] = from_half(from.half[i]) * from.scale();
-    Block b;
-    for (std::size_t i = 0; i < b.upper.size(); ++i) {
-      b.upper[i] = V3f(value[3 * i], value[3 * i + 1], value[3 * i + 2]);
-      const float* lower = value + kRow;
-      b.lower[i] = V3f(lower[3 * i], lower[3 * i + 1], lower[3 * i + 2]);
+    const float scale = from.scale();
+    const std::uint16_t *r = from.half.data(), *g = r + kTexels, *b = g + kTexels;
+    // Four at a time: 0 to 3, 4 to 7, 6 to 9.
+    for (const int i : {0, 4, kTexels - 4}) {
+      const Floats weighed = from_halves(r + i) * scale * weight.x +
+                             from_halves(g + i) * scale * weight.y +
+                             from_halves(b + i) * scale * weight.z;
+      std::memcpy(sum + i, &weighed, sizeof weighed);
     }
-    return b;
   }
   // column: 0 .. width - 1.
-  Corners<V3f> corners(int row, int column) const {
-    const Packed& from = packed_[index(row, column / kPatches)];
-    const int first = 3 * (column % kPatches);
+  Corners corners(int row, int column) const {
+    return corners(row, column / kPatches, column % kPatches);
+  }
+  Corners corners(int row, int block, int patch) const {
+    const Packed& from = packed_[index(row, block)];
     const float scale = from.scale();
-    const auto texel = [&](int i) {
-      return V3f(from_half(from.half[i]), from_half(from.half[i + 1]),
-                 from_half(from.half[i + 2])) *
-             scale;
-    };
-    return {texel(first), texel(first + 3), texel(first + kRow), texel(first + kRow + 3)};
+    Corners c;
+    for (int i = 0; i < 3; ++i) {
+      std::uint16_t half[4];
+      const std::uint16_t* upper = from.half.data() + i * kTexels + patch;
+      std::memcpy(half, upper, 2 * sizeof *half);
+      std::memcpy(half + 2, upper + kRow, 2 * sizeof *half);
+      c.channel[i] = from_halves(half) * scale;
+    }
+    return c;
   }
 
  private:
-  static constexpr int kRow = 3 * (kPatches + 1), kHalves = 32;
   struct alignas(64) Packed {
-    // Two rows of texels; the bits of the scale are in the last two.
-    std::array<std::uint16_t, kHalves> half{};
+    // A channel after the other, of each the texels' two rows; the last two have the scale's bits.
+    std::array<std::uint16_t, 3 * kTexels + 2> half{};
     float scale() const {
       return std::bit_cast<float>(std::uint32_t{half[30]} | std::uint32_t{half[31]} << 16);
     }
@@ -87,9 +102,18 @@ class EnvironmentTexels {
     }
   };
 
-  // Of a positive one that is not denormal, or 0.
-  static float from_half(std::uint16_t half) {
-    return std::bit_cast<float>(std::uint32_t{half} << 13) * 0x1p112f;
+  static float sum(const Floats& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+  static Floats shares(const V2f& p) {
+    const float x = 1.0f - p.x, y = 1.0f - p.y;
+    return Floats{x, p.x, x, p.x} * Floats{y, y, p.y, p.y};
+  }
+  // Of positive ones that are not denormal, or 0.
+  static Floats from_halves(const std::uint16_t* four) {
+    using Halves = std::uint16_t __attribute__((vector_size(8)));
+    using Words = std::uint32_t __attribute__((vector_size(16)));
+    Halves half;
+    std::memcpy(&half, four, sizeof half);
+    return std::bit_cast<Floats>(__builtin_convertvector(half, Words) << 13) * 0x1p112f;
   }
   std::size_t index(int row, int block) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(blocks_) +

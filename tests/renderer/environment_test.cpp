@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "renderer/math/atan2.h"
+#include "renderer/math/sine_cosine.h"
 #include "tests/renderer/statistics.h"
 
 namespace morsel::render {
@@ -166,13 +167,17 @@ TEST(EnvironmentTexels, KeepTheImage) {
         const auto at = [&](int x, int y) {
           return scaled.texels[static_cast<std::size_t>(std::clamp(y, 0, 5) * 13 + x % 13)];
         };
-        const auto [a, b, c, d] = texels.corners(row, column);
-        const auto block = texels.block(row, column / 4);
-        const auto k = static_cast<std::size_t>(column % 4);
-        EXPECT_EQ(a, block.upper[k]);
-        EXPECT_EQ(b, block.upper[k + 1]);
-        EXPECT_EQ(c, block.lower[k]);
-        EXPECT_EQ(d, block.lower[k + 1]);
+        const EnvironmentTexels::Corners corners = texels.corners(row, column);
+        const V3f a = corners.texel(0), b = corners.texel(1), c = corners.texel(2),
+                  d = corners.texel(3);
+        const V3f weight(0.3f, 0.5f, 0.25f);
+        float weighed[EnvironmentTexels::kTexels];
+        texels.weigh(row, column / 4, weight, weighed);
+        const int k = column % 4;
+        EXPECT_EQ(dot(a, weight), weighed[k]);
+        EXPECT_EQ(dot(b, weight), weighed[k + 1]);
+        EXPECT_EQ(dot(c, weight), weighed[5 + k]);
+        EXPECT_EQ(dot(d, weight), weighed[6 + k]);
         const V3f found[] = {a, b, c, d};
         const V3f expected[] = {at(column, row - 1), at(column + 1, row - 1), at(column, row),
                                 at(column + 1, row)};
@@ -195,6 +200,22 @@ TEST(FastAtan2, IsCloseToTheLibrarys) {
     for (const float x : {1.0f, -1.0f, 1e-30f})
       EXPECT_NEAR(fast_atan2(y, x), std::atan2(y, x), 5e-7f);
   EXPECT_EQ(fast_atan2(0.0f, 0.0f), 0.0f);
+}
+
+TEST(SineCosine, AreAsAccurateAsStated) {
+  const auto check = [](float turns) {
+    const double angle = 6.283185307179586 * static_cast<double>(turns);
+    const SineCosine found = sine_cosine_of_turns(turns);
+    ASSERT_NEAR(found.sine, std::sin(angle), 2e-7) << turns;
+    ASSERT_NEAR(found.cosine, std::cos(angle), 2e-7) << turns;
+  };
+  Random random;
+  for (int i = 0; i < 200000; ++i) check(2.0f * random() - 1.0f);
+  for (int eighths = -8; eighths <= 8; ++eighths)
+    for (const float off : {0.0f, 1e-7f, -1e-7f}) {
+      const float turns = 0.125f * static_cast<float>(eighths) + off;
+      if (std::abs(turns) <= 1.0f) check(turns);
+    }
 }
 
 TEST(Environment, ConstantIsUniform) {
