@@ -26,11 +26,12 @@ Box intersection(Box a, const Box& b) {
   return a;
 }
 
-// Calls visit(block, x, F(x)) for the points of a grid in `region`, blocks * kBlock along each
-// axis, those of a block one after another, blocks in parallel; there are blocks^3.
+// Calls visit(block, x, F(x)) for the points of a grid in `region` that are not in `known`, blocks
+// * kBlock along each axis, those of a block one after another, blocks in parallel; there are
+// blocks^3.
 template <class Visit>
-void sample(const ScalarField& field, const Box& region, int blocks, const Execution& execution,
-            const Visit& visit) {
+void sample(const ScalarField& field, const Box& region, const Box& known, int blocks,
+            const Execution& execution, const Visit& visit) {
   const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
   tbb::parallel_for(0, blocks * blocks * blocks, [&](int b) {
     execution.check_cancel();
@@ -38,28 +39,30 @@ void sample(const ScalarField& field, const Box& region, int blocks, const Execu
         region.min +
         // NOLINTNEXTLINE(bugprone-integer-division): whole numbers are meant.
         step * Imath::V3d(b % blocks, b / blocks % blocks, b / (blocks * blocks)) * double{kBlock};
-    const std::unique_ptr<ScalarField> local =
-        field.restricted_to(Box(corner, corner + step * double{kBlock}));
+    const Box block(corner, corner + step * double{kBlock});
+    if (known.intersects(block.min) && known.intersects(block.max)) return;
+    const std::unique_ptr<ScalarField> local = field.restricted_to(block);
     for (int k = 0; k < kBlock; ++k)
       for (int j = 0; j < kBlock; ++j)
         for (int i = 0; i < kBlock; ++i) {
           const Imath::V3d x = corner + step * Imath::V3d(i + 0.5, j + 0.5, k + 0.5);
-          visit(static_cast<std::size_t>(b), x, local->value(x));
+          if (!known.intersects(x)) visit(static_cast<std::size_t>(b), x, local->value(x));
         }
   });
 }
 
 std::size_t cube(int n) { return static_cast<std::size_t>(n) * n * n; }
 
-// Bounding box of the grid points of `region` where F >= 0.
-Box sampled_solid(const ScalarField& field, const Box& region, int blocks,
+// `known`, extended by the grid points of `region` where F >= 0: those within it need not be looked
+// at.
+Box sampled_solid(const ScalarField& field, const Box& region, const Box& known, int blocks,
                   const Execution& execution) {
   std::vector<Box> found(cube(blocks));
-  sample(field, region, blocks, execution,
+  sample(field, region, known, blocks, execution,
          [&](std::size_t block, const Imath::V3d& x, double value) {
            if (value >= 0.0) found[block].extendBy(x);
          });
-  Box all;
+  Box all = known;
   for (const Box& box : found) all.extendBy(box);
   return all;
 }
@@ -131,7 +134,7 @@ Box find_solid(const ScalarField& field, const Box& outer, const Execution& exec
   int blocks = kFirstBlocks;
   for (int pass = 0; pass < 4; ++pass) {
     const Imath::V3d step = (region.max - region.min) / (blocks * kBlock);
-    inside.extendBy(sampled_solid(field, region, blocks, execution));
+    inside = sampled_solid(field, region, inside, blocks, execution);
     if (inside.isEmpty()) return inside;
     region = intersection(Box(inside.min - step * 2.0, inside.max + step * 2.0), outer);
     blocks = 8;
@@ -169,9 +172,10 @@ std::optional<Imath::V3d> place_beyond(const ScalarField& field, const Box& oute
   };
   if (outer.isEmpty()) return std::nullopt;
   std::vector<Best> found(cube(kFirstBlocks));
-  sample(field, outer, kFirstBlocks, {}, [&](std::size_t block, const Imath::V3d& x, double value) {
-    if (value >= 0.0 && value > found[block].value && !box.intersects(x)) found[block] = {value, x};
-  });
+  sample(field, outer, box, kFirstBlocks, {},
+         [&](std::size_t block, const Imath::V3d& x, double value) {
+           if (value >= 0.0 && value > found[block].value) found[block] = {value, x};
+         });
   Best best;
   for (const Best& b : found)
     if (b.value > best.value) best = b;
