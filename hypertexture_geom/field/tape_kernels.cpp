@@ -493,7 +493,9 @@ class Machine {
     std::int32_t place = 0;
     for (int a = 0; a < 3; ++a) {
       t[a] = c[0] * first_coordinate(in, a) + c[1 + a];
-      const auto cell = std::clamp(static_cast<std::int32_t>(t[a]), 0, w[a] - 1);
+      // 0 for NaN; what is beyond an int must not be made one.
+      const T inside = t[a] > T(0) ? std::min(t[a], static_cast<T>(w[a] - 1)) : T(0);
+      const auto cell = static_cast<std::int32_t>(inside);
       t[a] -= static_cast<T>(cell);
       place += cell * stride[a];
       const T rest = t[a] * (T(1) - t[a]);
