@@ -28,7 +28,7 @@ constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this on
   "morsel": 1,  // version of the format
   "description": "{2}",
 
-  "camera": {{ "position": [0, 1.6, 6], "look_at": [0, 0.9, 0], "vertical_fov": 35 }},
+  "camera": {{ "position": [0, 1.8, 6.6], "look_at": [0.1, 1.1, 0], "vertical_fov": 35 }},
   "render": {{
     "resolution": [640, 480],
     "spp": 64,          // samples a pixel: more is less noise; 16 for a draft
@@ -65,7 +65,7 @@ constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this on
       // Noise tears pieces off. "main" shows what hangs together with the largest, "all" everything.
       "keep": "main"
     }},{0}
-    {{ "name": "floor", "type": "rectangle", "size": [40, 40] }}
+    {{ "name": "floor", "type": "rectangle", "size": [400, 400] }}
   ],
 
   // Where shapes stand: scaled, then rotated about x, y, z, then moved.
@@ -75,7 +75,7 @@ constexpr const char* kStarter = R"(// A scene for Morsel. Comments like this on
   ],
 
   "lights": [
-    {{ "type": "sky", "sun_elevation": 35, "sun_azimuth": 50, "turbidity": 3, "radiance": 0.3 }}
+    {{ "type": "sky", "sun_elevation": 40, "sun_azimuth": 110, "turbidity": 2.5, "radiance": 0.45 }}
   ]
 }}
 )";

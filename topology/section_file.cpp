@@ -64,6 +64,18 @@ bool begins_as_json(std::string_view text) {
   return text.starts_with('{') || text.starts_with("//") || text.starts_with("/*");
 }
 
+// What a file is instead of what it should be, by its first bytes; empty: unknown.
+std::string_view other_kind(std::string_view begin) {
+  constexpr struct {
+    std::string_view magic, kind;
+  } kKinds[] = {{"MORSTOPO", "a topology cache"},
+                {"MORSBRIK", "a brick file"},
+                {"MORSRNDR", "a render's checkpoint"}};
+  for (const auto& [magic, kind] : kKinds)
+    if (begin.starts_with(magic)) return kind;
+  return begins_as_json(begin) ? "a JSON file or a scene" : "";
+}
+
 bool is_name(std::string_view name) {
   return !name.empty() && name.size() < sizeof(DirectoryRecord::name) &&
          std::all_of(name.begin(), name.end(), [](char c) {
@@ -209,9 +221,11 @@ void SectionFile::read_directory(const SectionFormat& format) {
   read_at(0, std::as_writable_bytes(std::span(&header, 1)).first(present));
   const std::string_view begin(reinterpret_cast<const char*>(&header), present);
   const std::string_view magic(format.magic, sizeof header.magic);
-  if (!magic.starts_with(begin.substr(0, magic.size())))
-    throw CacheError(fmt::format("{}: not a {}: wrong first bytes{}", name_, kind,
-                                 begins_as_json(begin) ? ", those of a JSON file or a scene" : ""));
+  if (!magic.starts_with(begin.substr(0, magic.size()))) {
+    const std::string_view other = other_kind(begin);
+    throw CacheError(fmt::format("{}: not a {}: wrong first bytes{}{}", name_, kind,
+                                 other.empty() ? "" : ", those of ", other));
+  }
   if (present < sizeof header)
     throw CacheError(
         fmt::format("{}: not a {}: {} bytes are fewer than its header has", name_, kind, size_));

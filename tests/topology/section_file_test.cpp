@@ -191,6 +191,8 @@ TEST_F(SectionFiles, ScenesAreTakenForWhatTheyAre) {
               std::string::npos)
         << error_of(text);
   EXPECT_NE(error_of("solid").find("wrong first bytes"), std::string::npos);
+  EXPECT_NE(error_of("MORSBRIK").find("those of a brick file"), std::string::npos);
+  EXPECT_NE(error_of("MORSRNDR").find("those of a render's checkpoint"), std::string::npos);
   for (const char* text : {"solid", "[section]", "/usr/bin", " \n "})
     EXPECT_EQ(error_of(text).find("scene"), std::string::npos) << error_of(text);
   for (const std::size_t length : {0u, 3u, 8u, 63u})
