@@ -136,8 +136,6 @@ std::string bad_value(const CLI::App& command, std::string_view said) {
     } else {
       continue;
     }
-    if (option->get_items_expected_min() == 0)
-      return fmt::format("{}={}: takes no value", option->get_name(), value);
     if (!is_flag(value))
       return fmt::format("{} {}: must be {}", option->get_name(), value, type_of(*option));
     const std::string missing = missing_value(*option);
@@ -152,8 +150,10 @@ std::string problem(const CLI::App& command, const CLI::ParseError& error) {
   if (const std::string text = bad_value(command, said); !text.empty()) return text;
   if (error.get_name() == "ValidationError" && said.starts_with("--")) return error.what();
   constexpr std::string_view kOverride = " was given a disallowed flag override";
-  if (said.ends_with(kOverride))
-    return fmt::format("{}: takes no value", said.substr(0, said.size() - kOverride.size()));
+  if (said.ends_with(kOverride)) {  // after the flag's name without its dashes
+    const std::string_view name = said.substr(0, said.size() - kOverride.size());
+    return fmt::format("{}{}: takes no value", name.size() > 1 ? "--" : "-", name);
+  }
   const CLI::Option* const without =
       error.get_name() == "ArgumentMismatch" ? without_value(command, said) : nullptr;
   const std::vector<std::string> rest = command.remaining();
