@@ -151,7 +151,7 @@ TEST_F(CrashTest, FullDisksKeepWhatWasThere) {
     }
     EXPECT_EQ(read_text(folder_ / "a.topo"), cache) << limit;
     EXPECT_EQ(read_text(folder_ / "a.exr"), exr) << limit;
-    EXPECT_EQ(folder_.count_files(), 4u) << limit;  // scene, cache, EXR, PNG
+    EXPECT_EQ(folder_.count_files(), 5u) << limit;  // scene, cache, bricks, EXR, PNG
   }
 }
 
@@ -180,7 +180,7 @@ TEST_F(CrashTest, ADiskWithoutRoomKeepsWhatWasThere) {
         EXPECT_TRUE(exr_pixels(folder_ / "a.exr") == pixels) << room;
         EXPECT_TRUE(read_text(folder_ / "a.png") == png) << room;
       }
-      EXPECT_EQ(folder_.count_files(), 5u) << room;  // scene, cache, EXR, PNG, filler
+      EXPECT_EQ(folder_.count_files(), 6u) << room;  // scene, cache, bricks, EXR, PNG, filler
     };
     expect_kept(run_morsel(build, here()), "a.topo");
     if (failures == 0) break;  // there was room: what follows would tell nothing
