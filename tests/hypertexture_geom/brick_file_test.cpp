@@ -39,14 +39,14 @@ class KeptBricks {
                         {"bounds", bounds},
                         {"max_depth", max_depth}};
     hypertexture_ = hypertexture_from_json(geometry, params::Place{"test", ""});
-    cache_ = std::make_shared<TopologyCache>(build_cache(hypertexture_));
+    cache = std::make_shared<TopologyCache>(build_cache(hypertexture_));
     options_.bricks.stem = folder_ / "bricks" / "rock";
     options_.bricks.warn = [this](const std::string& text) { warnings_.push_back(text); };
   }
 
   std::unique_ptr<HypertextureGeometry> geometry() {
     warnings_.clear();
-    return std::make_unique<HypertextureGeometry>(hypertexture_.field, cache_, options_);
+    return std::make_unique<HypertextureGeometry>(hypertexture_.field, cache, options_);
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> all;
@@ -63,7 +63,7 @@ class KeptBricks {
   GeometryOptions& options() { return options_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   const morsel::test::TemporaryFolder& folder() const { return folder_; }
-  std::shared_ptr<TopologyCache> cache_;
+  std::shared_ptr<TopologyCache> cache;
 
  private:
   morsel::test::TemporaryFolder folder_;
@@ -155,14 +155,14 @@ TEST(BrickFileTest, ThoseOfAnotherFieldAreReplacedWithoutAWord) {
   KeptBricks kept(fbm_of("sparse_convolution", 0.8, 3.0, 1));
   kept.geometry();
   const std::string before = morsel::test::read_text(kept.file());
-  kept.cache_->field_hash[0] ^= 1;
+  kept.cache->field_hash[0] ^= 1;
   EXPECT_FALSE(kept.geometry()->statistics().bricks_were_read);
   EXPECT_TRUE(kept.warnings().empty());
   EXPECT_NE(morsel::test::read_text(kept.file()), before);
   EXPECT_TRUE(kept.geometry()->statistics().bricks_were_read);
   // Another octree of the same field.
-  kept.cache_->field_hash[0] ^= 1;
-  for (topology::OctreeNode& n : kept.cache_->topology.nodes)
+  kept.cache->field_hash[0] ^= 1;
+  for (topology::OctreeNode& n : kept.cache->topology.nodes)
     if (n.is_leaf() && n.cell_content() == topology::Content::kConnected) {
       n.content = static_cast<std::uint8_t>(topology::Content::kUndecided);
       n.component = topology::kNoComponent;
@@ -186,7 +186,7 @@ TEST(BrickFileTest, NothingIsKeptThatWasNotAskedFor) {
   EXPECT_TRUE(kept.files().empty());
   // Whose bricks they are must be known.
   kept.options().solver = Solver::kModel;
-  kept.cache_->field_hash.clear();
+  kept.cache->field_hash.clear();
   kept.geometry();
   EXPECT_TRUE(kept.files().empty());
 }
