@@ -81,7 +81,8 @@ class EnvironmentTexels {
     Corners c;
     for (int i = 0; i < 3; ++i) {
       std::uint16_t half[4];
-      const std::uint16_t* upper = &from.half[static_cast<std::size_t>(i * kTexels + patch)];
+      const int first = i * kTexels + patch;
+      const std::uint16_t* upper = &from.half[static_cast<std::size_t>(first)];
       std::memcpy(half, upper, 2 * sizeof *half);
       std::memcpy(half + 2, upper + kRow, 2 * sizeof *half);
       c.channel[i] = from_halves(half) * scale;
