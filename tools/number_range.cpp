@@ -15,8 +15,8 @@ CLI::Validator where(const std::function<bool(double)>& holds, const std::string
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         double value = 0.0;
-        // What is no number is told by the conversion.
-        if (!CLI::detail::lexical_cast(text, value) || holds(value)) return "";
+        // An empty text is converted to 0.
+        if (!text.empty() && CLI::detail::lexical_cast(text, value) && holds(value)) return "";
         return fmt::format("Value {} not in range", text);
       },
       description);

@@ -74,24 +74,6 @@ struct TemporaryName {
   }
 };
 
-// Takes away what programs that were killed have left of earlier writes of `target`. Whoever writes
-// still must not lose its file: the process must be gone and, since it may be one of another
-// machine or container, whose numbers say nothing here, the file must have rested for a while.
-void remove_leftovers(const fs::path& target) {
-  const TemporaryName names(target);
-  std::error_code error;
-  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
-       entry.increment(error)) {
-    const pid_t process = names.process_of(entry->path().filename().native());
-    if (process == 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
-    std::error_code ignored;
-    if (!entry->is_regular_file(ignored)) continue;
-    const auto written = entry->last_write_time(ignored);
-    if (ignored || fs::file_time_type::clock::now() - written < kLeftoverAge) continue;
-    fs::remove(entry->path(), ignored);
-  }
-}
-
 // A name beside `target` that no other file of this process has.
 fs::path name_beside(const fs::path& target) {
   static std::atomic<unsigned> serial{0};
@@ -113,6 +95,23 @@ void check_place(const fs::path& file) {
 }
 
 }  // namespace
+
+void remove_leftovers(const fs::path& target) {
+  const TemporaryName names(target);
+  std::error_code error;
+  // Whoever writes still must not lose its file: the process must be gone and, since it may be one
+  // of another machine or container, whose numbers say nothing here, the file must have rested.
+  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end;
+       entry.increment(error)) {
+    const pid_t process = names.process_of(entry->path().filename().native());
+    if (process == 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    if (!entry->is_regular_file(ignored)) continue;
+    const auto written = entry->last_write_time(ignored);
+    if (ignored || fs::file_time_type::clock::now() - written < kLeftoverAge) continue;
+    fs::remove(entry->path(), ignored);
+  }
+}
 
 void require_replaceable(const fs::path& file) {
   check_place(file);

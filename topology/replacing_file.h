@@ -16,6 +16,8 @@ void require_replaceable(const std::filesystem::path& file);
 // A program that is killed leaves its temporary file behind. The next write of the same name
 // removes it if that process is gone and the file has not been written to for so long.
 inline constexpr std::chrono::minutes kLeftoverAge{10};
+// Does that at once, for whoever reads the file and may never write it again.
+void remove_leftovers(const std::filesystem::path& file);
 
 // A file that appears under its name only when it is complete: write to temporary_path(), which is
 // in the same folder and has the same extension, then commit(). Without commit() the destructor

@@ -22,7 +22,7 @@ using topology::CacheError;
 
 // To be raised when the same field, octree and options make other bricks: with every change of
 // brick_builder, brick_model, compiled fields or local models.
-constexpr int kBrickVersion = 1;
+constexpr int kBrickVersion = 2;
 
 constexpr std::string_view kMeta = "meta";      // JSON
 constexpr std::string_view kBricks = "bricks";  // Brick
@@ -135,22 +135,24 @@ class GroupReader {
   std::string place_;
 };
 
-// Boxes and centres are finite; errors may be infinite.
-bool is_sound(const BlockRecord& r) {
+// The box lies in `reach`, centres are finite; errors may be infinite.
+bool is_sound(const BlockRecord& r, const topology::Box& reach) {
   const auto finite = [](double x) { return std::isfinite(x); };
   const auto bound = [](double x) { return x >= 0.0; };
   for (int i = 0; i < 3; ++i)
-    if (!(r.box[i] <= r.box[3 + i])) return false;
-  return std::all_of(r.box, r.box + 6, finite) && std::all_of(r.centre, r.centre + 3, finite) &&
-         bound(r.value_error) && std::all_of(r.gradient_error, r.gradient_error + 3, bound) &&
-         r.refers_to_field <= 1 && r.reserved == 0;
+    if (!(reach.min[i] <= r.box[i] && r.box[i] <= r.box[3 + i] && r.box[3 + i] <= reach.max[i]))
+      return false;
+  return std::all_of(r.centre, r.centre + 3, finite) && bound(r.value_error) &&
+         std::all_of(r.gradient_error, r.gradient_error + 3, bound) && r.refers_to_field <= 1 &&
+         r.reserved == 0;
 }
 
 std::unique_ptr<CompiledField<double>> take_block(GroupReader& from,
-                                                  const topology::ScalarField& field) {
+                                                  const topology::ScalarField& field,
+                                                  const topology::Box& reach) {
   BlockRecord r;
   from.take(&r, 1);
-  if (!is_sound(r)) from.fail("a block's record is not sound");
+  if (!is_sound(r, reach)) from.fail("a block's record is not sound");
   CompiledField<double>::Parts parts;
   parts.box = {{r.box[0], r.box[1], r.box[2]}, {r.box[3], r.box[4], r.box[5]}};
   if (r.refers_to_field != 0) return std::make_unique<CompiledField<double>>(field, parts.box);
@@ -235,17 +237,20 @@ std::optional<BrickSet> BrickFile::read(const topology::ScalarField& field,
     if (!is_sound(set.bricks_[i], blocks, components_))
       fail(fmt::format("brick {} is not sound", i));
 
+  const Imath::V3d margin(options_.margin);
+  const topology::Box reach(root_.min - margin, root_.max + margin);
   std::vector<std::vector<BrickSet::Block>> parts(groups);
   tbb::parallel_for(std::uint64_t{0}, groups, [&](std::uint64_t g) {
     execution.check_cancel();
     const std::vector<std::byte> bytes = file.read(group_name(g));
     GroupReader from(bytes, fmt::format("{}: section \"{}\"", file.name(), group_name(g)));
-    while (!from.at_end()) parts[g].push_back(take_block(from, field));
+    while (!from.at_end()) parts[g].push_back(take_block(from, field, reach));
   });
   for (std::vector<BrickSet::Block>& part : parts)
     std::move(part.begin(), part.end(), std::back_inserter(set.blocks_));
   if (set.blocks_.size() != blocks)
     fail(fmt::format("it has {} blocks instead of {}", set.blocks_.size(), blocks));
+  topology::remove_leftovers(path_);
   return set;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "topology/scalar_field.h"
@@ -38,14 +39,16 @@ struct TapeInstruction {
   static constexpr std::uint16_t kInput = 0xffff;  // in place of point registers: the tape's input
 
   TapeOp op = TapeOp::kConstant;
-  std::uint8_t reserved = 0;  // as files have it: without padding
+  std::uint8_t reserved = 0;  // 0, as the other: files have instructions without padding
   std::uint16_t out = 0, a = 0, b = 0;
   std::uint16_t point[3] = {kInput, kInput, kInput};
+  std::uint16_t reserved_too = 0;
   std::uint32_t constants = 0;  // where its constants begin
   std::uint32_t words = 0;      // and its integers
   std::uint32_t count = 0;
 };
-static_assert(sizeof(TapeInstruction) == 28);
+static_assert(sizeof(TapeInstruction) == 28 &&
+              std::has_unique_object_representations_v<TapeInstruction>);
 
 struct OpaqueField {
   const topology::ScalarField* field = nullptr;

@@ -84,6 +84,8 @@ std::string problem_of(const Tape<double>& tape) {
   const auto finite = [](double c) { return std::isfinite(c); };
   if (!std::all_of(tape.constants.begin(), tape.constants.end(), finite))
     return "a constant is not finite";
+  // Each has an instruction that writes it first.
+  if (tape.registers > tape.instructions.size()) return "more registers than instructions";
   std::vector<bool> written(tape.registers, false);
   const auto readable = [&](std::uint16_t r) { return r < written.size() && written[r]; };
   for (std::size_t i = 0; i < tape.instructions.size(); ++i) {
@@ -91,6 +93,7 @@ std::string problem_of(const Tape<double>& tape) {
     const auto problem = [&](const char* what) {
       return fmt::format("instruction {} (operation {}): {}", i, static_cast<int>(in.op), what);
     };
+    if (in.reserved != 0 || in.reserved_too != 0) return problem("a reserved number is not 0");
     Needs needs;
     if (!needs_of(in, needs)) return problem("there is no such operation");
     if (needs.constants > tape.constants.size() ||

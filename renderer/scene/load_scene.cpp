@@ -317,7 +317,8 @@ class SceneLoader {
   void keep_bricks(const std::filesystem::path& cache, geom::BrickKeeping& bricks) const {
     std::error_code ignored;
     if (options_.max_brick_file == 0 || !std::filesystem::exists(cache, ignored)) return;
-    bricks.stem = std::filesystem::path(cache).replace_extension();
+    bricks.stem = cache;
+    if (cache.extension() == ".topo") bricks.stem.replace_extension();
     bricks.max_bytes = options_.max_brick_file;
     // A share that is only read is no reason for a warning.
     const std::filesystem::path folder = cache.has_parent_path() ? cache.parent_path() : ".";

@@ -151,6 +151,15 @@ TEST(BrickFileTest, EachChoiceOfWhatIsKeptHasItsOwn) {
   EXPECT_EQ(kept.files().size(), 2u);
 }
 
+TEST(BrickFileTest, TheSameBricksMakeTheSameFile) {
+  KeptBricks kept(fbm_of("sparse_convolution", 0.8, 3.0, 2), 6);
+  kept.geometry();
+  const std::string bytes = morsel::test::read_text(kept.file());
+  fs::remove(kept.file());
+  kept.geometry();
+  EXPECT_TRUE(morsel::test::read_text(kept.file()) == bytes);
+}
+
 TEST(BrickFileTest, ThoseOfAnotherFieldAreReplacedWithoutAWord) {
   KeptBricks kept(fbm_of("sparse_convolution", 0.8, 3.0, 1));
   kept.geometry();
@@ -169,6 +178,22 @@ TEST(BrickFileTest, ThoseOfAnotherFieldAreReplacedWithoutAWord) {
       break;
     }
   EXPECT_FALSE(kept.geometry()->statistics().bricks_were_read);
+}
+
+TEST(BrickFileTest, WhatAKilledWriterLeftGoesWithTheNextReading) {
+  KeptBricks kept(fbm_of("sparse_convolution", 0.8, 3.0, 1), 6);
+  kept.geometry();
+  const fs::path file = kept.file();
+  // No process has a number as large as this one.
+  std::string name = ".";
+  name += file.stem().string();
+  name += ".999999999.0.bricks";
+  const fs::path left = file.parent_path() / name;
+  std::ofstream(left) << "half of it";
+  fs::last_write_time(left, fs::file_time_type::clock::now() - 2 * topology::kLeftoverAge);
+  EXPECT_TRUE(kept.geometry()->statistics().bricks_were_read);
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(file));
 }
 
 TEST(BrickFileTest, NothingIsKeptThatWasNotAskedFor) {
@@ -269,6 +294,9 @@ TEST(TapeCheckTest, FindsEachProblem) {
   EXPECT_NE(with([](auto& t) { t.words.pop_back(); }), "");
   EXPECT_NE(with([](auto& t) { t.instructions.clear(); }), "");
   EXPECT_NE(with([](auto& t) { t.registers = 1; }), "");
+  EXPECT_NE(with([](auto& t) { t.registers = 0xffff; }), "");
+  EXPECT_NE(with([](auto& t) { t.instructions[0].reserved = 1; }), "");
+  EXPECT_NE(with([](auto& t) { t.instructions[0].reserved_too = 1; }), "");
   EXPECT_NE(with([](auto& t) { t.result = t.registers; }), "");
   for (const int op : {5, 7, 8, 15, 255})  // hashed, opaque, none
     if (op != static_cast<int>(TapeOp::kPerlin)) {

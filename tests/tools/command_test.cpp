@@ -82,6 +82,8 @@ TEST(Command, WrongUsageNamesTheCommandTheWordAndWhatItMayHaveBeen) {
        "render: --threads: a value is missing (a whole number"},
       {{"mesh", "a.json", "--error", "nan"}, "mesh: --error nan: must be a number above 0; see"},
       {{"mesh", "a.json", "--error", "inf"}, "mesh: --error inf: must be a number above 0; see"},
+      {{"mesh", "a.json", "--error", "x"}, "mesh: --error x: must be a number above 0; see"},
+      {{"render", "a.json", "--max-brick-file", ""}, "must be a number from 0 to 1e+06; see"},
       {{"bench", "a.json", "--error", "nan"}, "--error nan: must be a number from 1e-07 to 0.1"},
       {{"field", "sample", "a.json", "--resolution", "1"},
        "--resolution 1: must be a whole number from 2 to 8192; see"},

@@ -147,6 +147,11 @@ TEST_F(RenderCommandTest, BricksAreKeptForTheNextRender) {
   const CommandResult again = render({"--progress", "json"});
   EXPECT_EQ(again.err.find("surface: bricks"), std::string::npos) << again.err;
 
+  // Two caches whose names differ in what looks like an extension.
+  EXPECT_FALSE(bricks_of({"--cache", "rock.v1"}));
+  EXPECT_FALSE(bricks_of({"--cache", "rock.v2"}));
+  EXPECT_TRUE(bricks_of({"--cache", "rock.v1"}));
+
   // Damaged ones are told and made anew.
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
     if (entry.path().extension() == ".bricks") std::filesystem::resize_file(entry.path(), 1000);
