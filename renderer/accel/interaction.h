@@ -22,6 +22,14 @@ enum class RayKind : std::uint32_t { kCamera = 1u, kBounce = 2u, kShadow = 4u, k
 
 inline constexpr std::uint32_t kNoIndex = 0xffffffffu;
 
+// What shading needs of a mesh's vertex, in object space.
+struct alignas(32) MeshVertex {
+  V3f position{0.0f}, normal{0.0f};  // 0: the mesh has none
+  V2f uv{0.0f, 0.0f};                // likewise
+};
+
+class InstanceTransform;
+
 // A point of a surface in world space. Either `light` or `instance` is valid.
 struct SurfaceInteraction {
   float t = 0.0f;
@@ -43,6 +51,9 @@ struct SurfaceInteraction {
   float footprint = 0.0f;  // width of the ray's cone, world
   // In [0, 1): textures may take a random part of the footprint, by this; below 0: all of it.
   float texture_random = -1.0f;
+  // Of a mesh's triangle that a ray met, and of its instance if that does not move.
+  const MeshVertex* corner[3] = {nullptr, nullptr, nullptr};
+  const InstanceTransform* transform = nullptr;
   std::uint32_t instance = kNoIndex;
   std::uint32_t geometry = kNoIndex;
   std::uint32_t primitive = kNoIndex;

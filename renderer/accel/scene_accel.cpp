@@ -47,29 +47,27 @@ RTCRay query_of(const Ray& ray, RayKind kind) {
 }  // namespace
 
 struct SceneAccel::Impl {
-  // What a hit on an instance needs, in one place.
+  // What a hit on an instance needs first; all of them should stay in the processor's cache.
   struct InstanceData {
-    const TriangleMesh* mesh;  // or
+    const ShadedMesh* mesh;  // or
     const geom::HypertextureGeometry* hypertexture;
     std::uint32_t geometry, material, detached_material, main_component;
-    InstanceTransform transform;
     bool moves;
-
-    InstanceTransform at(const Instance& instance, float time) const {
-      return InstanceTransform(instance.to_world(time), instance.name);
-    }
   };
   const Scene& scene;
   Device device;
   std::vector<SceneHandle> geometries;
+  std::vector<std::unique_ptr<const ShadedMesh>> meshes;  // of the geometries that are built
   SceneHandle top;
   std::vector<InstanceData> instances;
+  std::vector<InstanceTransform> transforms;  // of each
   std::optional<LightGeometry> lights;
   bool cutouts = false;
   Statistics statistics;
 
   explicit Impl(const Scene& s) : scene(s) {
     geometries.resize(scene.geometries.size());
+    meshes.resize(scene.geometries.size());
     top.reset(rtcNewScene(device.get()));
     rtcSetSceneFlags(top.get(), RTC_SCENE_FLAG_ROBUST);
     for (const Instance& i : scene.instances) add_instance(i);
@@ -80,7 +78,12 @@ struct SceneAccel::Impl {
 
   // Geometries are built when the first instance asks: one that nobody uses may be empty.
   RTCScene geometry_scene(std::uint32_t index) {
-    if (!geometries[index]) geometries[index] = build(scene.geometries[index]);
+    const Geometry& geometry = scene.geometries[index];
+    if (!geometries[index]) {
+      geometries[index] = build(geometry);
+      if (const auto* mesh = std::get_if<TriangleMesh>(&geometry.shape))
+        meshes[index] = std::make_unique<const ShadedMesh>(*mesh);
+    }
     return geometries[index].get();
   }
 
@@ -120,22 +123,23 @@ struct SceneAccel::Impl {
     check(detached, scene.materials.size(), "detached material");
 
     const auto& shape = scene.geometries[i.geometry].shape;
-    const auto* mesh = std::get_if<TriangleMesh>(&shape);
+    RTCScene const instanced = geometry_scene(i.geometry);
+    const ShadedMesh* mesh = meshes[i.geometry].get();
     const geom::HypertextureGeometry* hypertexture = mesh ? nullptr : std::get<1>(shape).get();
     instances.push_back({mesh, hypertexture, i.geometry, i.material, detached,
                          hypertexture ? main_component(*hypertexture) : kNoIndex,
-                         InstanceTransform(i.object_to_world, i.name),
                          i.object_to_world_end.has_value()});
-    if (i.object_to_world_end) check_motion(i, instances.back());
+    transforms.emplace_back(i.object_to_world, i.name);
+    if (i.object_to_world_end) check_motion(i);
 
     GeometryHandle geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
-    rtcSetGeometryInstancedScene(geometry.get(), geometry_scene(i.geometry));
+    rtcSetGeometryInstancedScene(geometry.get(), instanced);
     if (i.object_to_world_end) rtcSetGeometryTimeStepCount(geometry.get(), 2);
     rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                            instances.back().transform.columns());
+                            transforms.back().columns().data());
     if (i.object_to_world_end)
       rtcSetGeometryTransform(geometry.get(), 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                              instances.back().at(i, 1.0f).columns());
+                              transform_at(i, 1.0f).columns().data());
     const unsigned mask = mask_of(scene, i);
     cutouts = cutouts || (mask & static_cast<unsigned>(RayKind::kCutout)) != 0;
     rtcSetGeometryMask(geometry.get(), mask);
@@ -145,39 +149,53 @@ struct SceneAccel::Impl {
   }
 
   // Every transform on the way must be usable: half a turn passes through a flat one.
-  static void check_motion(const Instance& i, const InstanceData& data) {
-    for (int k = 0; k <= 16; ++k) data.at(i, static_cast<float>(k) / 16.0f);
+  static void check_motion(const Instance& i) {
+    for (int k = 0; k <= 16; ++k) transform_at(i, static_cast<float>(k) / 16.0f);
+  }
+  static InstanceTransform transform_at(const Instance& i, float time) {
+    return InstanceTransform(i.to_world(time), i.name);
   }
 
   void interact(const Ray& ray, const RTCHit& hit, SurfaceInteraction& s) const {
     if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID) {
+      clear(s);
       lights->interact(ray, hit, s);
       return;
     }
-    s.instance = hit.instID[0];
-    s.primitive = hit.primID;
-    const InstanceData& i = instances[s.instance];
-    s.geometry = i.geometry;
-    s.material = i.material;
+    const InstanceData& i = instances[hit.instID[0]];
     if (i.moves)
       interact_with_moving(ray, hit, i, s);
     else
-      interact_with_instance(ray, hit, i, i.transform, s);
+      interact_with_instance(ray, hit, i, transforms[hit.instID[0]], s);
+    s.instance = hit.instID[0];
+    s.primitive = hit.primID;
+    s.geometry = i.geometry;
+    const bool detached = i.hypertexture != nullptr && s.component != i.main_component;
+    s.material = detached ? i.detached_material : i.material;
+  }
+
+  // What is not the ray's. A mesh's hits write all of it.
+  static void clear(SurfaceInteraction& s) {
+    const float t = s.t, time = s.time;
+    s = SurfaceInteraction{};
+    s.t = t;
+    s.time = time;
   }
 
   // Apart, for its transform takes a while to be cleared alone.
   [[gnu::noinline]] void interact_with_moving(const Ray& ray, const RTCHit& hit,
                                               const InstanceData& i, SurfaceInteraction& s) const {
-    interact_with_instance(ray, hit, i, i.at(scene.instances[s.instance], ray.time), s);
+    interact_with_instance(ray, hit, i, transform_at(scene.instances[hit.instID[0]], ray.time), s);
+    s.transform = nullptr;  // it is gone
   }
 
   static void interact_with_instance(const Ray& ray, const RTCHit& hit, const InstanceData& i,
                                      const InstanceTransform& transform, SurfaceInteraction& s) {
     if (i.mesh) {
-      interact_with_mesh(*i.mesh, transform, hit.primID, hit.u, hit.v, s);
+      i.mesh->interact(transform, hit.primID, hit.u, hit.v, s);
     } else {
+      clear(s);
       interact_with_hypertexture(*i.hypertexture, transform, ray, hit.primID, s);
-      if (s.component != i.main_component) s.material = i.detached_material;
     }
   }
 };
@@ -194,7 +212,6 @@ bool SceneAccel::intersect(const Ray& ray, RayKind kind, SurfaceInteraction& int
       impl_->top.get(), rayhit,
       kind == RayKind::kCamera ? geom::Coherence::kCoherent : geom::Coherence::kIncoherent);
   if (rayhit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  interaction = SurfaceInteraction{};
   interaction.t = rayhit.ray.tfar;
   interaction.time = ray.time;
   impl_->interact(ray, rayhit.hit, interaction);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace morsel::render {
@@ -16,9 +18,19 @@ double norm(const Imath::M44d& m) {
   return largest;
 }
 
+// A float that is not below x >= 0, nor denormal, for threads that trace take those for 0; infinite
+// beyond the largest one.
+float rounded_up(double x) {
+  if (x > 0.0 && x < double{std::numeric_limits<float>::min()})
+    return std::numeric_limits<float>::min();
+  const auto nearest = static_cast<float>(x);
+  return double{nearest} >= x ? nearest
+                              : std::nextafter(nearest, std::numeric_limits<float>::infinity());
+}
+
 }  // namespace
 
-InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& name) : to_world_(m) {
+InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& name) {
   const auto fail = [&](const char* what) {
     throw std::invalid_argument(fmt::format("instance '{}': its transform is {}", name, what));
   };
@@ -29,24 +41,34 @@ InstanceTransform::InstanceTransform(const Imath::M44d& m, const std::string& na
     fail("not affine (its last column must be 0, 0, 0, 1)");
   const double scale = norm(m);
   if (!(std::abs(m.determinant()) > 1e-18 * scale * scale * scale)) fail("not invertible");
-  to_object_ = m.inverse();
+  const Imath::M44d inverse = m.inverse();
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 3; ++j) columns_[3 * i + j] = static_cast<float>(m[i][j]);
+    for (int j = 0; j < 3; ++j) {
+      to_world_[i][j] = m[i][j];
+      to_object_[i][j] = inverse[i][j];
+    }
 
   // Rounding M perturbs its inverse N by up to eps |N||M||N|, and so does inverting in float, to
   // within a small factor; multiplying adds eps |N| for each operation. 8 is about twice the count.
   const auto absolute = [](const Imath::M44d& a, int i, int j) { return std::abs(a[i][j]); };
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
-      double sum = absolute(to_object_, i, j);
+      double sum = absolute(inverse, i, j);
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l)
-          sum += absolute(to_object_, i, k) * absolute(m, k, l) * absolute(to_object_, l, j);
-      error_[i][j] = 8.0 * 0x1p-24 * sum;
+          sum += absolute(inverse, i, k) * absolute(m, k, l) * absolute(inverse, l, j);
+      error_[i][j] = rounded_up(8.0 * 0x1p-24 * sum);
     }
-  translation_ = V3d(absolute(m, 3, 0), absolute(m, 3, 1), absolute(m, 3, 2));
-  inverse_norm_ = std::sqrt(3.0) * norm(to_object_);
-  mean_scale_ = static_cast<float>(std::cbrt(std::abs(to_object_.determinant())));
+  for (int j = 0; j < 3; ++j) translation_[j] = rounded_up(absolute(m, 3, j));
+  inverse_norm_ = std::sqrt(3.0) * norm(inverse);
+  mean_scale_ = static_cast<float>(std::cbrt(std::abs(inverse.determinant())));
+}
+
+std::array<float, 12> InstanceTransform::columns() const {
+  std::array<float, 12> c{};
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 3; ++j) c[3 * i + j] = static_cast<float>(to_world_[i][j]);
+  return c;
 }
 
 }  // namespace morsel::render

@@ -24,29 +24,36 @@ V3f usable_normal(const V3f& shading, const V3f& geometric, const V3f& wo) {
 
 }  // namespace
 
+// Each is made where it stays: copying what was just written makes the processor wait.
 Lobe make_lobe(const SurfaceParameters& p, bool outside) {
+  const auto dielectric = [&] {
+    return Lobe(std::in_place_type<Dielectric>, crossing_tint(p), p.alpha, p.ior, outside, p.tables,
+                p.scales_radiance);
+  };
+  const auto layered = [&] { return Lobe(std::in_place_type<Principled>, p, outside); };
   switch (p.type) {
     case MaterialType::kConductor:
-      return Conductor(p.color, p.alpha);
+      return Lobe(std::in_place_type<Conductor>, p.color, p.alpha);
     case MaterialType::kDielectric:
-      return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables, p.scales_radiance);
+      return dielectric();
     case MaterialType::kDiffuse:
-      return Diffuse(p.color, p.diffuse_roughness);
+      return Lobe(std::in_place_type<Diffuse>, p.color, p.diffuse_roughness);
     case MaterialType::kPrincipled:
       break;
   }
-  if (p.clearcoat > 0.0f || max_component(p.sheen_color) > 0.0f) return Principled(p, outside);
-  if (p.metallic >= 1.0f) return Conductor(p.color, p.alpha);
+  if (p.clearcoat > 0.0f || max_component(p.sheen_color) > 0.0f) return layered();
+  if (p.metallic >= 1.0f) return Lobe(std::in_place_type<Conductor>, p.color, p.alpha);
   if (p.metallic <= 0.0f && p.transmission >= 1.0f) {
-    if (p.thin) return ThinGlass(p.color, p.alpha, p.ior);
-    return Dielectric(crossing_tint(p), p.alpha, p.ior, outside, p.tables, p.scales_radiance);
+    if (p.thin) return Lobe(std::in_place_type<ThinGlass>, p.color, p.alpha, p.ior);
+    return dielectric();
   }
   if (p.metallic <= 0.0f && p.transmission <= 0.0f) {
     const Diffuse body(p.color, p.diffuse_roughness);
-    if (p.specular <= 0.0f) return body;
-    return Plastic(body, SpecularLayer(p.specular, p.specular_color, p.alpha, *p.tables));
+    if (p.specular <= 0.0f) return Lobe(std::in_place_type<Diffuse>, body);
+    return Lobe(std::in_place_type<Plastic>, body, p.specular, p.specular_color, p.alpha,
+                *p.tables);
   }
-  return Principled(p, outside);
+  return layered();
 }
 
 Bsdf::Bsdf(const SurfaceParameters& parameters, const V3f& geometric_normal,
@@ -82,7 +89,7 @@ LobeValue Bsdf::evaluate(const V3f& wi) const {
 std::optional<LobeSample> Bsdf::sample(float choice, const V2f& u) const {
   auto s = std::visit([&](const auto& lobe) { return lobe.sample(wo_, choice, u); }, lobe_);
   if (!s) return s;
-  s->wi = normalize(frame_.to_world(s->wi));
+  s->wi = renormalize(frame_.to_world(s->wi));
   if (!is_finite(s->wi) || std::isnan(s->pdf)) {  // on neither side, and not for nothing
     s->weight = V3f(std::numeric_limits<float>::quiet_NaN());
     return s;

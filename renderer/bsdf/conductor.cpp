@@ -30,19 +30,11 @@ LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi) const {
 
 LobeValue Conductor::evaluate(const V3f& wo, const V3f& wi, float many) const {
   if (wi.z <= 0.0f) return {};
-  const V3f sum = wo + wi;
-  if (dot(sum, sum) <= 0.0f) return {};
-  const V3f h = normalize(sum);
-  const Ggx ggx(alpha_);
-  const float d = ggx.distribution(h);
-  // f * wi.z = F D G / (4 wo.z wi.z) * wi.z
-  LobeValue v;
-  v.value = fresnel_schlick(reflectance_, dot(wo, h)) *
-            (d * ggx.masking_shadowing(wo, wi) / (4.0f * wo.z));
-  v.pdf = d * ggx.masking(wo) / (4.0f * wo.z);
+  const Ggx::Reflection facets = Ggx(alpha_).reflection(wo, wi);
+  LobeValue v{fresnel_schlick(reflectance_, facets.cosine) * facets.value, facets.pdf};
   if (compensate_) {
     const AlbedoTable& table = ggx_albedo();
-    v.value += many_bounces() * complement(table, table, place_, wo.z, wi.z);
+    v.value += many_color_ * complement(table, table, place_, wo.z, wi.z);
     v.pdf = (1.0f - many) * v.pdf + many * wi.z * kInvPi;
   }
   return v;
@@ -59,13 +51,12 @@ std::optional<LobeSample> Conductor::sample(const V3f& wo, float choice, const V
   if (choice < many) {
     s.wi = square_to_cosine_hemisphere(u);
   } else {
-    const V3f h = Ggx(alpha_).sample_visible(wo, u);
-    s.wi = normalize(h * (2.0f * dot(wo, h)) - wo);
+    s.wi = Ggx(alpha_).sample_reflection(wo, u);
   }
   const LobeValue v = evaluate(wo, s.wi, many);
   if (v.pdf <= 0.0f) return std::nullopt;
   s.pdf = v.pdf;
-  s.weight = v.value / v.pdf;
+  s.weight = v.value * (1.0f / v.pdf);
   return s;
 }
 

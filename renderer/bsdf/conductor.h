@@ -18,7 +18,8 @@ class Conductor {
       : reflectance_(reflectance),
         alpha_(alpha),
         compensate_(compensate),
-        place_(AlbedoTable::alpha_place(alpha)) {}
+        place_(AlbedoTable::alpha_place(alpha)),
+        many_color_(compensate && !delta() ? many_bounces() : V3f(0.0f)) {}
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
@@ -35,6 +36,7 @@ class Conductor {
   float alpha_;
   bool compensate_;
   AlbedoTable::Place place_;  // of alpha in tables
+  V3f many_color_;            // many_bounces()
 };
 
 }  // namespace morsel::render

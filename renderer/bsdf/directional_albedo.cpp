@@ -86,7 +86,7 @@ const InterfaceTables& interface_albedo(float ior) {
   auto& tables = known[ior];
   if (!tables)
     tables = std::make_unique<InterfaceTables>(
-        InterfaceTables{ior, tables_of(ior), tables_of(1.0f / ior)});
+        InterfaceTables{ior, square((ior - 1.0f) / (ior + 1.0f)), tables_of(ior), tables_of(1.0f / ior)});
   return *tables;
 }
 

@@ -19,6 +19,7 @@ struct InterfaceAlbedo {
 // the side of index `ior`.
 struct InterfaceTables {
   float ior = 1.0f;
+  float normal = 0.0f;  // reflectance at normal incidence
   InterfaceAlbedo outside, inside;
 
   const InterfaceAlbedo& side(bool from_outside) const { return from_outside ? outside : inside; }

@@ -15,11 +15,13 @@ inline float fresnel_dielectric(float cos_incident, float eta, float& cos_transm
     return 1.0f;
   }
   cos_transmitted = std::sqrt(1.0f - sin2);
-  const float parallel =
-      (eta * cos_incident - cos_transmitted) / (eta * cos_incident + cos_transmitted);
-  const float perpendicular =
-      (cos_incident - eta * cos_transmitted) / (cos_incident + eta * cos_transmitted);
-  return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+  // Numerators and denominators of both polarisations, over one common denominator.
+  const float parallel = eta * cos_incident - cos_transmitted,
+              under_parallel = eta * cos_incident + cos_transmitted;
+  const float perpendicular = cos_incident - eta * cos_transmitted,
+              under_perpendicular = cos_incident + eta * cos_transmitted;
+  const float a = parallel * under_perpendicular, b = perpendicular * under_parallel;
+  return 0.5f * (a * a + b * b) / square(under_parallel * under_perpendicular);
 }
 
 // Schlick's approximation from the reflectance at normal incidence.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "renderer/math/sine_cosine.h"
 #include "renderer/math/vector.h"
 
 namespace morsel::render {
@@ -31,6 +32,28 @@ class Ggx {
     return 1.0f / (1.0f + lambda(wo) + lambda(wi));
   }
 
+  // Reflection at facets: f wi.z but for the Fresnel term, the density of wi by sample_visible(),
+  // and the cosine between either and the facets' normal. Directions are on the upper side. The
+  // same as D G / (4 wo.z), D G1 / (4 wo.z) and dot(wo, h), put together so that little is divided.
+  struct Reflection {
+    float value = 0.0f, pdf = 0.0f, cosine = 0.0f;
+  };
+  Reflection reflection(const V3f& wo, const V3f& wi) const {
+    const V3f sum = wo + wi;  // the normal times twice the cosine
+    const float length2 = dot(sum, sum);
+    if (!(length2 > 0.0f)) return {};
+    const float a2 = alpha_ * alpha_;
+    // See distribution(); times length2.
+    const float d = a2 * sum.z * sum.z + (sum.x * sum.x + sum.y * sum.y);
+    const auto stretched = [&](const V3f& w) {  // w.z (1 + 2 lambda(w))
+      return std::sqrt(w.z * w.z + a2 * (w.x * w.x + w.y * w.y));
+    };
+    const float o = stretched(wo), i = stretched(wi);
+    const float density = 0.5f * kInvPi * a2 * (length2 / d) * (length2 / d);
+    return {density * wi.z / (wi.z * o + wo.z * i), density / (wo.z + o),
+            0.5f * std::sqrt(length2)};
+  }
+
   // Density with which sample_visible() draws `h`; wo.z > 0.
   float visible_density(const V3f& wo, const V3f& h) const {
     return masking(wo) * std::max(0.0f, dot(wo, h)) * distribution(h) / wo.z;
@@ -43,9 +66,14 @@ class Ggx {
     const V3f stretched = normalize(V3f(alpha_ * wo.x, alpha_ * wo.y, wo.z));
     const float z = (1.0f - u.y) * (1.0f + stretched.z) - stretched.z;
     const float r = std::sqrt(std::clamp(1.0f - z * z, 0.0f, 1.0f));
-    const float phi = 2.0f * kPi * u.x;
-    const V3f h = V3f(r * std::cos(phi), r * std::sin(phi), z) + stretched;
+    const SineCosine phi = sine_cosine_of_turns(u.x);
+    const V3f h = V3f(r * phi.cosine, r * phi.sine, z) + stretched;
     return normalize(V3f(alpha_ * h.x, alpha_ * h.y, std::max(h.z, 1e-7f)));
+  }
+  // Where a facet normal that it draws mirrors `wo`; may be below the surface.
+  V3f sample_reflection(const V3f& wo, const V2f& u) const {
+    const V3f h = sample_visible(wo, u);
+    return renormalize(h * (2.0f * dot(wo, h)) - wo);
   }
 
  private:

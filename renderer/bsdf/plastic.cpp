@@ -5,7 +5,7 @@ namespace morsel::render {
 
 // Of sampling the gloss, which reflects the share `reflected` of what comes along wo.
 float Plastic::gloss_probability(float reflected) const {
-  const float d = (1.0f - reflected) * max_component(body_.albedo());
+  const float d = (1.0f - reflected) * strength_;
   return reflected + d > 0.0f ? reflected / (reflected + d) : 1.0f;
 }
 
@@ -16,13 +16,9 @@ LobeValue Plastic::evaluate(const V3f& wo, const V3f& wi) const {
 
 LobeValue Plastic::evaluate(const V3f& wo, const V3f& wi, float reflected_o) const {
   const LobeValue body = body_.evaluate(wo, wi), gloss = gloss_.evaluate(wo, wi);
-  const float rest = std::max(1e-6f, 1.0f - max_component(gloss_.average_albedo()));
   const float p = gloss_probability(reflected_o);
-  // The coupling is exact for Lambert's law; grooves send a little more light to where more passes,
-  // 0.6 % at the most.
-  const float grooves = 1.0f - 0.003f * body_.roughness();
   return {
-      body.value * (grooves * (1.0f - reflected_o) * (1.0f - reflected(wi.z)) / rest) + gloss.value,
+      body.value * (coupling_ * (1.0f - reflected_o) * (1.0f - reflected(wi.z))) + gloss.value,
       (1.0f - p) * body.pdf + p * gloss.pdf};
 }
 
@@ -33,7 +29,7 @@ std::optional<LobeSample> Plastic::sample(const V3f& wo, float choice, const V2f
   if (wi.z <= 0.0f) return std::nullopt;
   const LobeValue v = evaluate(wo, wi, reflected_o);
   if (v.pdf <= 0.0f) return std::nullopt;
-  return LobeSample{.wi = wi, .weight = v.value / v.pdf, .pdf = v.pdf, .diffuse = diffuse};
+  return LobeSample{.wi = wi, .weight = v.value * (1.0f / v.pdf), .pdf = v.pdf, .diffuse = diffuse};
 }
 
 }  // namespace morsel::render

@@ -12,7 +12,15 @@ namespace morsel::render {
 // gloss.
 class Plastic {
  public:
-  Plastic(const Diffuse& body, const SpecularLayer& gloss) : body_(body), gloss_(gloss) {}
+  // The interface is one of SpecularLayer, which is made in place: copying what was just written
+  // makes the processor wait.
+  Plastic(const Diffuse& body, float weight, const V3f& tint, float alpha,
+          const InterfaceTables& tables)
+      : body_(body),
+        gloss_(weight, tint, alpha, tables),
+        strength_(max_component(body.albedo())),
+        coupling_((1.0f - 0.003f * body.roughness()) /
+                  std::max(1e-6f, 1.0f - gloss_.average_albedo())) {}
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
@@ -24,12 +32,16 @@ class Plastic {
 
  private:
   // Share of light that the gloss reflects towards this cosine, of the channel that has most.
-  float reflected(float cosine) const { return max_component(gloss_.directional_albedo(cosine)); }
+  float reflected(float cosine) const { return gloss_.directional_albedo(cosine); }
   float gloss_probability(float reflected) const;
   LobeValue evaluate(const V3f& wo, const V3f& wi, float reflected_o) const;
 
   Diffuse body_;
   SpecularLayer gloss_;
+  float strength_;  // brightest channel of the body
+  // 1 / (1 - R_avg), which is exact for Lambert's law; grooves send a little more light to where
+  // more passes, 0.6 % at the most.
+  float coupling_;
 };
 
 }  // namespace morsel::render

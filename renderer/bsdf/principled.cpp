@@ -29,10 +29,10 @@ Principled::Principled(const SurfaceParameters& p, bool outside)
       coated_(p.clearcoat > 0.0f),
       coat_(p.clearcoat, V3f(1.0f), p.clearcoat_alpha, *p.coat_tables),
       sheen_(p.sheen_color, p.sheen_alpha),
-      metal_(p.color, std::max(p.alpha, Ggx::kSmallestAlpha)),
+      metal_(p.color, std::max(p.alpha, Ggx::kSmallestAlpha), p.metallic > 0.0f),
       glass_(glass_of(p, outside)),
-      plastic_(Diffuse(p.color, p.diffuse_roughness),
-               SpecularLayer(p.specular, p.specular_color, p.alpha, *p.tables)) {
+      plastic_(Diffuse(p.color, p.diffuse_roughness), p.specular, p.specular_color, p.alpha,
+               *p.tables) {
   if (!outside && transmission_ > 0.0f) {  // the layers are on the other side
     coated_ = false;
     sheen_strength_ = 0.0f;
@@ -55,7 +55,7 @@ Principled::Shares Principled::shares(const V3f& wo) const {
     total += s.probability[part];
   };
   if (coated_) {
-    const float reflected = max_component(coat_.directional_albedo(wo.z));
+    const float reflected = coat_.directional_albedo(wo.z);
     add(kCoat, 1.0f, reflected);
     rest *= 1.0f - reflected;
   }

@@ -19,8 +19,7 @@ class SpecularLayer {
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   // What sample() draws, before it is evaluated; it may point below the surface.
   V3f direction(const V3f& wo, const V2f& u) const {
-    const V3f h = Ggx(alpha_).sample_visible(wo, u);
-    return normalize(h * (2.0f * dot(wo, h)) - wo);
+    return Ggx(alpha_).sample_reflection(wo, u);
   }
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
   bool delta() const { return false; }
@@ -28,22 +27,28 @@ class SpecularLayer {
   V3f albedo() const { return normal_ * weight_; }
 
   // Share of light that it reflects towards this cosine, and its mean over the hemisphere.
-  V3f directional_albedo(float cos_theta) const {
+  // Of the channel that has most.
+  float directional_albedo(float cos_theta) const {
     const auto cosine = AlbedoTable::cosine_place(cos_theta);
-    return combine(tables_->reflected.at(cosine, place_), ggx_albedo().at(cosine, place_));
+    return most(tables_->reflected.at(cosine, place_), mirror_->at(cosine, place_));
   }
-  V3f average_albedo() const {
-    return combine(tables_->reflected.average(place_), ggx_albedo().average(place_));
+  float average_albedo() const {
+    return most(tables_->reflected.average(place_), mirror_->average(place_));
   }
 
  private:
   V3f fresnel(float cos_theta) const;
-  V3f combine(float exact, float mirror) const;
+  float most(float exact, float mirror) const;
+  float rise(float exact, float mirror) const {
+    return std::max(0.0f, (exact - f0_ * mirror) * per_rest_);
+  }
 
   float weight_, alpha_, ior_;
-  float f0_;    // exact reflectance at normal incidence
-  V3f normal_;  // the same, tinted
+  float f0_;        // exact reflectance at normal incidence
+  float per_rest_;  // over 1 - that
+  V3f normal_;      // the same, tinted
   const InterfaceAlbedo* tables_;
+  const AlbedoTable* mirror_;  // of F = 1
   AlbedoTable::Place place_;  // of alpha in them
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -15,14 +16,15 @@ namespace morsel::render {
 // NOLINTNEXTLINE(modernize-use-using): -Wpedantic lets a typedef pass alone.
 __extension__ typedef __int128 Int128;
 
-// x in steps of 2^-64, rounded towards 0; |x| < 2^63. Conversions to 128 bits are calls.
+// x in steps of 2^-64, rounded towards 0; |x| < 2^63. By its bits, for conversions to 128 bits are
+// calls.
 inline Int128 in_steps(double x) {
-  const double magnitude = std::abs(x);
-  const auto whole = static_cast<std::int64_t>(magnitude);
-  const double first = (magnitude - static_cast<double>(whole)) * 0x1p32;
-  const auto upper = static_cast<std::int64_t>(first);
-  const auto lower = static_cast<std::int64_t>((first - static_cast<double>(upper)) * 0x1p32);
-  const Int128 steps = Int128{whole} << 64 | Int128{upper} << 32 | lower;
+  const auto bits = std::bit_cast<std::uint64_t>(x);
+  const std::uint64_t digits = (bits & 0xfffffffffffffu) | 0x10000000000000u;  // 53
+  const int exponent = static_cast<int>(bits >> 52 & 0x7ffu) - (1023 + 52);  // of the last digit
+  const int shift = exponent + 64;
+  if (shift <= -53) return 0;
+  const Int128 steps = shift >= 0 ? Int128{digits} << shift : Int128{digits >> -shift};
   return x < 0.0 ? -steps : steps;
 }
 

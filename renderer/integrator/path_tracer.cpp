@@ -19,13 +19,12 @@ constexpr float kLobeAngle = 0.1f;
 constexpr int kMostCutouts = 256;
 
 enum VertexDimension : std::uint32_t {
-  kLobe,
+  kLobeAndTexture,
   kDirection,
   kLightChoice,
   kLightPoint,
   kInfinitePoint,
   kRoulette,
-  kTexture,
   kPerVertex
 };
 
@@ -77,6 +76,7 @@ struct PathTracer::State {
   V3f previous_p{0.0f};
   float previous_pdf = 0.0f;
   bool previous_delta = true;
+  LightSet::Direction towards;  // of `ray`, from the first bounce on
   bool previous_split = false;  // there were two light samples, one for each group
   float smallest_alpha = 0.0f;  // regularization: of lobes to come
   // Albedo and normal wait for the first vertex that is not a delta lobe.
@@ -121,13 +121,13 @@ void PathTracer::add_light(V3f light, std::uint32_t light_group, int bounces,
 }
 
 void PathTracer::add_escaped(State& state, PathSample& sample) const {
-  const V3f& wi = state.ray.direction;
   const LightGroup group = state.group(LightGroup::kInfinite);
+  if (state.vertex == 0) lights_.find(state.ray.direction, state.towards);
   for (std::size_t i = 0; i < lights_.infinite_count(); ++i) {
     if (state.vertex == 0 && !lights_.infinite_visible_to_camera(i)) continue;
     const auto [radiance, pdf] = state.previous_delta
-                                     ? Environment::Arriving{lights_.infinite_radiance(i, wi), 0.0f}
-                                     : lights_.infinite_arriving(group, i, state.previous_p, wi);
+                                     ? Environment::Arriving{lights_.infinite_radiance(i, state.towards), 0.0f}
+                                     : lights_.infinite_arriving(group, i, state.previous_p, state.towards);
     if (state.vertex == 0 && i == 0 && lights_.has_environment()) sample.alpha = 1.0f;
     if (is_black(radiance)) continue;
     const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
@@ -301,6 +301,16 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     const bool first = state.vertex == 0;
     const std::uint64_t evaluations =
         rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations;
+    // The light sample that every vertex gets; what it needs of memory comes while the ray is traced,
+    // and then while the surface is looked up.
+    const LightGroup from = first ? LightGroup::kInfinite : LightGroup::kAll;
+    const bool last = state.ends || state.vertex > scene_.settings.max_depth;
+    const bool lit = !last && direct_lighting_ != DirectLighting::kBsdfOnly && lights_.any(from);
+    LightSet::LightPoint light_point;
+    if (lit)
+      lights_.point(from,
+                    sampler.get_2d(dimension(state.vertex, first ? kInfinitePoint : kLightPoint)),
+                    light_point);
     const Next next = next_hit(state, sampler, hit, rays);
     if (first)
       result.steps = static_cast<float>(
@@ -324,8 +334,10 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     }
     const V3f wo = -state.ray.direction;
     hit.footprint = state.cone_width + state.cone_angle * (state.travelled + hit.t);
-    if (materials_.textured(hit.material))
-      hit.texture_random = sampler.get_1d(dimension(state.vertex, kTexture));
+    const bool textured = materials_.textured(hit.material);
+    V2f choices(0.0f);
+    if (textured || !last) choices = sampler.get_2d(dimension(state.vertex, kLobeAndTexture));
+    if (textured) hit.texture_random = choices.y;
     if (materials_.absorbs(hit.material) && dot(wo, hit.geometric_normal) < 0.0f)
       state.throughput *= materials_.transmittance(hit.material, state.inside + hit.t);
     if (materials_.emits(hit.material)) {
@@ -334,15 +346,9 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
       if (!is_black(emitted))
         add_emitted(state, hit, emitted, light, scene_.materials[hit.material].group, result);
     }
-    if (state.ends || state.vertex > scene_.settings.max_depth) break;
+    if (last) break;
 
-    // The light sample that every vertex gets; what it needs of memory comes meanwhile.
-    const LightGroup from = first ? LightGroup::kInfinite : LightGroup::kAll;
-    const bool lit = direct_lighting_ != DirectLighting::kBsdfOnly && lights_.any(from);
-    LightSet::LightPoint light_point;
-    if (lit)
-      light_point = lights_.point(
-          from, sampler.get_2d(dimension(state.vertex, first ? kInfinitePoint : kLightPoint)));
+    if (lit) lights_.fetch(light_point);
     const MaterialSet::Shading shading = materials_.shade(hit, wo, state.smallest_alpha);
     const Bsdf bsdf(shading.parameters, hit.geometric_normal, shading.normal, wo);
     const bool delta = bsdf.delta();
@@ -358,8 +364,7 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
       add_direct(state, LightGroup::kLocal, light_point, hit, bsdf, sampler, result, rays);
     }
 
-    const auto scattered = bsdf.sample(sampler.get_1d(dimension(state.vertex, kLobe)),
-                                       sampler.get_2d(dimension(state.vertex, kDirection)));
+    const auto scattered = bsdf.sample(choices.x, sampler.get_2d(dimension(state.vertex, kDirection)));
     if (!scattered) break;
     // The light samples count on this ray for their part of the light it finds, as at max_depth.
     state.ends = !within_limits(state, *scattered);
@@ -389,7 +394,7 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     state.previous_split = first;
     state.ray.origin = hit.spawn(scattered->wi);
     state.ray.direction = scattered->wi;
-    lights_.prefetch_arriving(scattered->wi);  // many rays escape
+    lights_.find(scattered->wi, state.towards);  // many rays escape
   }
   // A sum of finite lights may overflow.
   if (!is_finite(result.radiance)) mark_non_finite(state.vertex, result);

@@ -84,24 +84,25 @@ Environment::Environment(const EnvironmentImage& image, const V3f& scale, float 
   for (float& d : density_) d = total_weight > 0.0 ? static_cast<float>(d / total_weight) : 0.0f;
 }
 
-Environment::Patch Environment::patch(const V3f& wi) const {
+void Environment::find(const V3f& wi, Patch& p) const {
+  if (constant()) return;
   const int width = texels_.width(), height = texels_.height();
   const float x = cosine_ * wi.x - sine_ * wi.z;
   const float z = sine_ * wi.x + cosine_ * wi.z;
-  const float longitude = fast_atan2(x, -z);  // (-pi, pi], 0 along -z
   const float sine = std::sqrt(x * x + z * z);
-  const float colatitude = fast_atan2(sine, wi.y);  // acos would lose digits near the poles
+  // Acos would lose digits near the poles.
+  const FourFloats angles =
+      fast_atan2(FourFloats{x, sine, 0.0f, 0.0f}, FourFloats{-z, wi.y, 0.0f, 0.0f});
+  const float longitude = angles[0], colatitude = angles[1];  // (-pi, pi], 0 along -z
   // Texels' centres are at integers of these.
   const float s = (0.5f + longitude * (0.5f * kInvPi)) * static_cast<float>(width) - 0.5f;
   const float t = colatitude * kInvPi * static_cast<float>(height) - 0.5f;
-  const float floor_s = std::floor(s), floor_t = std::floor(t);
-
-  Patch p;
-  p.column = (static_cast<int>(floor_s) + width) % width;
-  p.row = std::clamp(static_cast<int>(floor_t) + 1, 0, height);
-  p.position = V2f(s - floor_s, t - floor_t);
+  const int column = floor_of(s), row = floor_of(t);
+  p.column = column < 0 ? width - 1 : column < width ? column : 0;
+  p.row = std::clamp(row + 1, 0, height);
+  p.position = V2f(s - static_cast<float>(column), t - static_cast<float>(row));
   p.sine = sine;
-  return p;
+  texels_.prefetch(p.row, p.column / EnvironmentTexels::kPatches);
 }
 
 Environment::Floats Environment::targets(const EnvironmentTexels::Corners& texels) const {
@@ -117,75 +118,70 @@ float Environment::density(const Patch& p, const Floats& target) const {
                        : 0.0f;
 }
 
-V3f Environment::radiance(const V3f& wi) const {
+V3f Environment::radiance(const Patch& p) const {
   if (constant()) return *constant_;
-  const Patch p = patch(wi);
   return texels_.corners(p.row, p.column).at(p.position) * scale_;
 }
 
 float Environment::pdf(const V3f& wi) const { return arriving(wi).pdf; }
 
-Environment::Arriving Environment::arriving(const V3f& wi) const {
+Environment::Arriving Environment::arriving(const Patch& p) const {
   if (constant()) return {*constant_, 0.25f * kInvPi};
-  const Patch p = patch(wi);
   const EnvironmentTexels::Corners around = texels_.corners(p.row, p.column);
   return {around.at(p.position) * scale_, density(p, targets(around))};
 }
 
-Environment::Place Environment::place(const V2f& u) const {
-  Place place;
+void Environment::place(const V2f& u, Place& place) const {
   place.u = u;
-  if (constant()) return place;
-  place.row = rows_->sample(u.y);
-  place.block = in_row_->sample(place.row.index, u.x);
-  texels_.prefetch(static_cast<int>(place.row.index), static_cast<int>(place.block.index));
-  return place;
-}
-
-void Environment::prefetch_arriving(const V3f& wi) const {
   if (constant()) return;
-  const Patch p = patch(wi);
-  texels_.prefetch(p.row, p.column / EnvironmentTexels::kPatches);
+  place.row = rows_->sample(u.y);
+  in_row_->prefetch(place.row.index, u.x);
 }
 
-LightSample Environment::sample(const Place& place) const {
+void Environment::fetch(Place& place) const {
+  if (constant()) return;
+  place.block = in_row_->sample(place.row.index, place.u.x);
+  texels_.prefetch(static_cast<int>(place.row.index), static_cast<int>(place.block.index));
+}
+
+void Environment::sample(const Place& place, LightSample& sample) const {
+  sample.distance = std::numeric_limits<float>::infinity();
   if (constant()) {
     const V2f& u = place.u;
     const float y = 1.0f - 2.0f * u.y, longitude = 2.0f * kPi * u.x;
     const float sine = std::sqrt(std::max(0.0f, 1.0f - y * y));
-    return {.wi = V3f(sine * std::cos(longitude), y, sine * std::sin(longitude)),
-            .radiance = *constant_,
-            .pdf = 0.25f * kInvPi,
-            .distance = std::numeric_limits<float>::infinity()};
+    sample.wi = V3f(sine * std::cos(longitude), y, sine * std::sin(longitude));
+    sample.radiance = *constant_;
+    sample.pdf = 0.25f * kInvPi;
+    return;
   }
   const int width = texels_.width(), height = texels_.height();
   const auto &row = place.row, &block = place.block;
   Patch p;
   p.row = static_cast<int>(row.index);
   // Among the block's patches by what the four texels of each have in sum.
-  constexpr int kPatches = EnvironmentTexels::kPatches, kRow = EnvironmentTexels::kRow;
+  constexpr int kPatches = EnvironmentTexels::kPatches;
   const int index = static_cast<int>(block.index), first = index * kPatches;
-  float upper[EnvironmentTexels::kTexels];  // and, from kRow on, lower
-  texels_.weigh(p.row, index, luminance_of_texel_, upper);
-  for (float& t : upper) t = std::max(0.0f, t - not_sampled_);
-  const float* const lower = upper + kRow;
+  const auto block_texels =
+      texels_.weigh(p.row, index, luminance_of_texel_, not_sampled_);
+  const Floats sums = (block_texels.upper_left + block_texels.upper_right) +
+                      (block_texels.lower_left + block_texels.lower_right);
   const int patches = std::min(kPatches, width - first);
-  float sum[kPatches], total = 0.0f;
-  for (int i = 0; i < patches; ++i)
-    total += sum[i] = (upper[i] + upper[i + 1]) + (lower[i] + lower[i + 1]);
-  float rest = block.offset * total;
-  int in_block = 0;
-  for (int i = 0; i < patches; ++i) {
-    if (!(sum[i] > 0.0f)) continue;
-    in_block = i;  // the last one stands in when rounding leaves something over
-    if (rest < sum[i]) break;
-    rest -= sum[i];
-  }
-  const float offset = total > 0.0f ? std::min(rest / sum[in_block], kOneMinusEpsilon) : 0.5f;
+  float up_to[kPatches + 1] = {0.0f};  // of the patches before each, in sum
+  for (int i = 0; i < kPatches; ++i) up_to[i + 1] = up_to[i] + (i < patches ? sums[i] : 0.0f);
+  const float total = up_to[kPatches], wanted = block.offset * total;
+  // Counted, for no processor foresees which.
+  int in_block = (wanted >= up_to[1]) + (wanted >= up_to[2]) + (wanted >= up_to[3]);
+  // Where rounding left something over, and where there is nothing.
+  while (in_block > 0 && !(sums[in_block] > 0.0f && in_block < patches)) --in_block;
+  const float offset =
+      total > 0.0f
+          ? std::min((wanted - up_to[in_block]) / sums[in_block], kOneMinusEpsilon)
+          : 0.5f;
   p.column = first + in_block;
   const EnvironmentTexels::Corners around = texels_.corners(p.row, index, in_block);
-  const float a = upper[in_block], b = upper[in_block + 1], c = lower[in_block],
-              d = lower[in_block + 1];
+  const float a = block_texels.upper_left[in_block], b = block_texels.upper_right[in_block],
+              c = block_texels.lower_left[in_block], d = block_texels.lower_right[in_block];
   // At a pole the patch is half as high, and the light does not change along it.
   float y = sample_linear(row.offset, a + b, c + d);
   if (p.row == 0) y = 0.5f + 0.5f * y;
@@ -200,13 +196,10 @@ LightSample Environment::sample(const Place& place) const {
   p.sine = std::max(0.0f, colatitude.sine);
   const float east = p.sine * longitude.sine, south = -p.sine * longitude.cosine;
 
-  LightSample sample;
   sample.wi =
       V3f(cosine_ * east + sine_ * south, colatitude.cosine, cosine_ * south - sine_ * east);
   sample.radiance = around.at(p.position) * scale_;
   sample.pdf = density(p, Floats{a, b, c, d});
-  sample.distance = std::numeric_limits<float>::infinity();
-  return sample;
 }
 
 }  // namespace morsel::render

@@ -42,38 +42,51 @@ class Environment {
   Environment(const EnvironmentImage& image, const V3f& scale, float rotation_degrees,
               bool only_highlights = false);
 
-  V3f radiance(const V3f& wi) const;
-  LightSample sample(const V2f& u) const { return sample(place(u)); }
+  V3f radiance(const V3f& wi) const { return radiance(patch(wi)); }
+  LightSample sample(const V2f& u) const {
+    Place p;
+    place(u, p);
+    fetch(p);
+    LightSample s;
+    sample(p, s);
+    return s;
+  }
   float pdf(const V3f& wi) const;
   // radiance() and pdf() at once, which is less work than one after the other.
   struct Arriving {
     V3f radiance;
     float pdf;
   };
-  Arriving arriving(const V3f& wi) const;
-  // sample() in two steps, between which what the second needs of memory is fetched.
+  Arriving arriving(const V3f& wi) const { return arriving(patch(wi)); }
+  // The same in two steps, between which what the second needs of memory is fetched.
+  struct Patch {     // that a direction falls into, and where in it
+    int column = 0;  // of the texels to the left
+    int row = 0;     // see EnvironmentTexels
+    V2f position{0.0f};  // between the texels, [0, 1]^2
+    float sine = 0.0f;   // of the angle to the +y axis
+  };
+  Patch patch(const V3f& wi) const {
+    Patch p;
+    find(wi, p);
+    return p;
+  }
+  void find(const V3f& wi, Patch& patch) const;
+  V3f radiance(const Patch& patch) const;
+  Arriving arriving(const Patch& patch) const;
+  // sample() in three steps, between which what the next one needs of memory is fetched.
   struct Place {
     DistributionRows::Cell row{}, block{};
     V2f u{0.0f};
   };
-  Place place(const V2f& u) const;
-  LightSample sample(const Place& place) const;
-  // That arriving() will be asked soon, so that what it needs is fetched meanwhile.
-  void prefetch_arriving(const V3f& wi) const;
+  void place(const V2f& u, Place& place) const;
+  void fetch(Place& place) const;
+  void sample(const Place& place, LightSample& sample) const;  // a new one
   // Mean over all directions of the luminance that sample() follows. 0: nothing to sample.
   float sampled_luminance() const { return sampled_luminance_; }
 
  private:
-  // The patch that a direction falls into and where in it.
-  struct Patch {
-    int column;    // of the texels to the left
-    int row;       // see EnvironmentTexels
-    V2f position;  // between the texels, [0, 1]^2
-    float sine;    // of the angle to the +y axis
-  };
   // One texel: the same everywhere, sampled uniformly.
   bool constant() const { return constant_.has_value(); }
-  Patch patch(const V3f& wi) const;
   using Floats = EnvironmentTexels::Floats;
   // What sampling follows, of four texels before scaling. Not a table of its own: wherever it is
   // asked for, the texels are wanted too, and fetching from memory is what costs here.

@@ -47,6 +47,11 @@ class EnvironmentTexels {
       return {sum(channel[0] * share), sum(channel[1] * share), sum(channel[2] * share)};
     }
   };
+  // A number of each of a block's texels: of the upper left, upper right, lower left and lower right
+  // ones of its four patches.
+  struct Weighed {
+    Floats upper_left, upper_right, lower_left, lower_right;
+  };
   // Bilinear interpolation between four numbers.
   static float at(const Floats& corners, const V2f& p) { return sum(corners * shares(p)); }
 
@@ -58,18 +63,20 @@ class EnvironmentTexels {
   int blocks() const { return blocks_; }  // of a row; the last may have fewer patches
 
   void prefetch(int row, int block) const { __builtin_prefetch(&packed_[index(row, block)]); }
-  // dot(texel, weight) of each of a block's texels, its upper row first. row: 0 .. height.
-  void weigh(int row, int block, const V3f& weight, float (&sum)[kTexels]) const {
+  // dot(texel, weight) - less, but at least 0, of each of a block's texels. row: 0 .. height.
+  Weighed weigh(int row, int block, const V3f& weight, float less) const {
     const Packed& from = packed_[index(row, block)];
     const float scale = from.scale();
     const std::uint16_t *r = from.half.data(), *g = r + kTexels, *b = g + kTexels;
-    // Four at a time: 0 to 3, 4 to 7, 6 to 9.
-    for (const int i : {0, 4, kTexels - 4}) {
+    const auto four = [&](int i) {
       const Floats weighed = from_halves(r + i) * scale * weight.x +
                              from_halves(g + i) * scale * weight.y +
-                             from_halves(b + i) * scale * weight.z;
-      std::memcpy(sum + i, &weighed, sizeof weighed);
-    }
+                             from_halves(b + i) * scale * weight.z - less;
+      return weighed > Floats{} ? weighed : Floats{};
+    };
+    const Floats first = four(0), middle = four(4), last = four(kTexels - 4);
+    return {first, __builtin_shufflevector(first, middle, 1, 2, 3, 4),
+            __builtin_shufflevector(middle, last, 1, 2, 3, 6), last};
   }
   // column: 0 .. width - 1.
   Corners corners(int row, int column) const {

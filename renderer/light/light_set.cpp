@@ -109,9 +109,11 @@ float LightSet::local_share(LightGroup group, const V3f& p) const {
   return total > 0.0f ? local / total : 0.0f;
 }
 
-LightSample LightSet::sample_infinite(std::size_t i, const LightPoint& point) const {
-  if (environment_ && i == 0) return environment_->sample(point.in_environment);
-  return distants_[environment_ ? i - 1 : i].sample(point.u);
+void LightSet::sample_infinite(std::size_t i, const LightPoint& point, LightSample& sample) const {
+  if (environment_ && i == 0)
+    environment_->sample(point.in_environment, sample);
+  else
+    sample = distants_[environment_ ? i - 1 : i].sample(point.u);
 }
 
 LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
@@ -138,15 +140,15 @@ LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
     if (rest < infinite_[i].importance) break;
     rest -= infinite_[i].importance;
   }
-  static_cast<LightSample&>(s) = sample_infinite(chosen, point);
+  sample_infinite(chosen, point, s);
   s.pdf *= (1.0f - local) * infinite_[chosen].importance / infinite_importance_;
   s.light_group = infinite_[chosen].light_group;
   return s;
 }
 
-V3f LightSet::infinite_radiance(std::size_t i, const V3f& wi) const {
-  if (environment_ && i == 0) return environment_->radiance(wi);
-  return distants_[environment_ ? i - 1 : i].radiance(wi);
+V3f LightSet::infinite_radiance(std::size_t i, const Direction& direction) const {
+  if (environment_ && i == 0) return environment_->radiance(direction.in_environment);
+  return distants_[environment_ ? i - 1 : i].radiance(direction.wi);
 }
 
 float LightSet::infinite_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi) const {
@@ -161,10 +163,10 @@ float LightSet::infinite_share(LightGroup group, std::size_t i, const V3f& p) co
 }
 
 Environment::Arriving LightSet::infinite_arriving(LightGroup group, std::size_t i, const V3f& p,
-                                                  const V3f& wi) const {
+                                                  const Direction& direction) const {
   if (!environment_ || i != 0 || !(infinite_[i].importance > 0.0f))
-    return {infinite_radiance(i, wi), infinite_pdf(group, i, p, wi)};
-  Environment::Arriving arriving = environment_->arriving(wi);
+    return {infinite_radiance(i, direction), infinite_pdf(group, i, p, direction.wi)};
+  Environment::Arriving arriving = environment_->arriving(direction.in_environment);
   arriving.pdf *= infinite_share(group, i, p);
   return arriving;
 }

@@ -52,38 +52,57 @@ class LightSet {
     std::uint32_t instance = kNoLight, triangle = 0;
   };
   Sample sample(LightGroup group, const V3f& p, float choice, const V2f& u) const {
-    return sample(group, p, choice, point(group, u));
+    LightPoint at;
+    point(group, u, at);
+    fetch(at);
+    return sample(group, p, choice, at);
   }
-  // The same in two steps: what the second needs of memory is fetched in between.
+  // The same in three steps: what the next one needs of memory is fetched in between.
   struct LightPoint {
     V2f u{0.0f};
+    bool infinite = false;  // the environment is among them
     Environment::Place in_environment;
   };
-  LightPoint point(LightGroup group, const V2f& u) const {
-    LightPoint point{u, {}};
-    if (environment_ && group != LightGroup::kLocal && infinite_[0].importance > 0.0f)
-      point.in_environment = environment_->place(u);
-    return point;
+  void point(LightGroup group, const V2f& u, LightPoint& point) const {
+    point.u = u;
+    point.infinite =
+        environment_ && group != LightGroup::kLocal && infinite_[0].importance > 0.0f;
+    if (point.infinite) environment_->place(u, point.in_environment);
+  }
+  void fetch(LightPoint& point) const {
+    if (point.infinite) environment_->fetch(point.in_environment);
   }
   Sample sample(LightGroup group, const V3f& p, float choice, const LightPoint& point) const;
-
-  // What arriving() of the environment needs of memory is fetched meanwhile.
-  void prefetch_arriving(const V3f& wi) const {
-    if (environment_) environment_->prefetch_arriving(wi);
-  }
 
   bool has_environment() const { return environment_.has_value(); }
   // Lights infinitely far away, which an escaping ray meets: 0 is the environment if there is one,
   // then the distant lights.
   std::size_t infinite_count() const { return infinite_.size(); }
-  V3f infinite_radiance(std::size_t i, const V3f& wi) const;
+  V3f infinite_radiance(std::size_t i, const V3f& wi) const {
+    return infinite_radiance(i, towards(wi));
+  }
   bool infinite_visible_to_camera(std::size_t i) const { return infinite_[i].visible_to_camera; }
   // The density of sample(group, p) in direction `wi` as far as light `i`, which must be of the
   // group, is concerned. Each light is an integral of its own, so this is what MIS needs.
   float infinite_pdf(LightGroup group, std::size_t i, const V3f& p, const V3f& wi) const;
+  // A direction that these may be asked for: what they need of memory is fetched meanwhile.
+  struct Direction {
+    V3f wi{0.0f};
+    Environment::Patch in_environment;
+  };
+  Direction towards(const V3f& wi) const {
+    Direction direction;
+    find(wi, direction);
+    return direction;
+  }
+  void find(const V3f& wi, Direction& direction) const {
+    direction.wi = wi;
+    if (environment_) environment_->find(wi, direction.in_environment);
+  }
+  V3f infinite_radiance(std::size_t i, const Direction& direction) const;
   // infinite_radiance() and infinite_pdf() at once.
   Environment::Arriving infinite_arriving(LightGroup group, std::size_t i, const V3f& p,
-                                          const V3f& wi) const;
+                                          const Direction& direction) const;
 
   // `from_outside`: the ray meets the side that the geometry's normal is on.
   V3f local_radiance(std::size_t i, const V3f& wi, bool from_outside) const {
@@ -123,7 +142,7 @@ class LightSet {
   }
   void add_emissive_meshes(const Scene& scene);
   void set_triangle(std::uint32_t light, Sample& s) const;
-  LightSample sample_infinite(std::size_t i, const LightPoint& point) const;
+  void sample_infinite(std::size_t i, const LightPoint& point, LightSample& sample) const;
 
   std::optional<Environment> environment_;
   std::vector<Distant> distants_;

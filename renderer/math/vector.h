@@ -22,6 +22,8 @@ inline float dot(const V3f& a, const V3f& b) { return a.x * b.x + a.y * b.y + a.
 inline V3f cross(const V3f& a, const V3f& b) { return a.cross(b); }
 // `v` must not be zero.
 inline V3f normalize(const V3f& v) { return v * (1.0f / std::sqrt(dot(v, v))); }
+// Of a vector that is a unit one but for rounding: by the first two terms of the root's series.
+inline V3f renormalize(const V3f& v) { return v * (1.5f - 0.5f * dot(v, v)); }
 inline float square(float x) { return x * x; }
 inline float max_component(const V3f& v) { return std::max(v.x, std::max(v.y, v.z)); }
 inline float max_abs(const V3f& v) {
@@ -29,6 +31,12 @@ inline float max_abs(const V3f& v) {
 }
 inline bool is_finite(const V3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Of |x| < 2^31. std::floor is much work where the processor need not have an instruction for it.
+inline int floor_of(float x) {
+  const int i = static_cast<int>(x);
+  return i - (static_cast<float>(i) > x ? 1 : 0);
 }
 
 // No light. What is not a number counts as light: it must get where it is found.

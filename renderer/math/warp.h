@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "renderer/math/sine_cosine.h"
 #include "renderer/math/vector.h"
 
 // Maps from the unit square to domains that are sampled.
@@ -10,16 +11,14 @@ namespace morsel::render {
 // stay neighbours: Shirley & Chiu, "A Low Distortion Map Between Disk and Square", 1997.
 inline V2f square_to_disk(const V2f& u) {
   const float a = 2.0f * u.x - 1.0f, b = 2.0f * u.y - 1.0f;
-  if (a == 0.0f && b == 0.0f) return {0.0f, 0.0f};
-  float radius, angle;
-  if (std::abs(a) > std::abs(b)) {
-    radius = a;
-    angle = (kPi / 4.0f) * (b / a);
-  } else {
-    radius = b;
-    angle = (kPi / 2.0f) - (kPi / 4.0f) * (a / b);
-  }
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+  // On the square's two triangles left and right of its diagonals the ring's radius is a, above and
+  // below b. No branch: no processor foresees which.
+  const bool wide = std::abs(a) > std::abs(b);
+  const float radius = wide ? a : b, along = wide ? b : a;
+  const float share = along / (radius == 0.0f ? 1.0f : radius);
+  const SineCosine angle = sine_cosine_of_eighth((kPi / 4.0f) * share);
+  const float near = radius * angle.cosine, off = radius * angle.sine;
+  return {wide ? near : off, wide ? off : near};
 }
 
 // About +z with density cos(theta) / pi.

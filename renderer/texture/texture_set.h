@@ -17,8 +17,8 @@ class TexturePoint {
       : hit(h), scene_(scene), wo_(wo) {}
 
   const SurfaceFrame& frame(int uv_set) const {
-    auto& frame = frame_[uv_set];
-    if (!frame) frame = surface_frame(scene_, hit, uv_set);
+    auto& frame = uv_set == 1 ? second_frame_ : first_frame_;
+    if (!frame) frame.emplace(surface_frame(scene_, hit, uv_set));
     return *frame;
   }
   const Footprint& footprint() const {
@@ -33,11 +33,13 @@ class TexturePoint {
 
   const Scene& scene_;
   const V3f& wo_;
-  mutable std::optional<SurfaceFrame> frame_[2];
+  mutable std::optional<SurfaceFrame> first_frame_, second_frame_;
   mutable std::optional<Footprint> footprint_;
-  // The last image that was looked up, and where: materials take several numbers from one.
-  mutable std::uint32_t last_image_ = kNoIndex;
-  mutable V2f last_uv_{0.0f, 0.0f};
+  mutable TileSampler* sampler_ = nullptr;  // the thread's, once an image was looked up
+  // The last images that were looked up, and where: materials take several numbers from one, and
+  // one place in several.
+  mutable std::uint32_t last_layout_ = kNoIndex, last_image_ = kNoIndex;
+  mutable TexelPlace last_place_;
   mutable TextureStore::Value last_;
 };
 
@@ -62,15 +64,37 @@ class TextureSet {
 
  private:
   using Value = TextureStore::Value;
-  Value evaluate(const Texture& texture, std::uint32_t index, const TexturePoint& point,
-                 const V3f& moved) const;
-  Value image(const ImageTexture& image, std::uint32_t index, const TexturePoint& point,
-              const V3f& moved) const;
+  // The texture coordinates of an image from the mesh's: see ImageTexture.
+  struct UvMap {
+    V2f u{1.0f, 0.0f}, v{0.0f, 1.0f}, offset{0.0f, 0.0f};
+
+    explicit UvMap(const ImageTexture& image);
+    UvMap() = default;
+    bool operator==(const UvMap&) const = default;
+    V2f direction(const V2f& d) const { return u * d.x + v * d.y; }
+    V2f point(const V2f& p) const { return direction(p) + offset; }
+  };
+  struct Prepared {
+    const Texture* texture = nullptr;
+    std::uint32_t handle = kNoIndex;  // of an image, of the store
+    int uv_set = 0;
+    float per_length = 0.0f;  // repetitions of a triplanar image; 0: by coordinates
+    // The same for images whose texels lie alike on surfaces; kNoIndex: those of no other.
+    std::uint32_t layout = kNoIndex;
+    UvMap map;
+  };
+  Value evaluate(const Prepared& texture, const TexturePoint& point, const V3f* moved) const;
+  Value by_coordinates(const Prepared& texture, const TexturePoint& point, const V3f* moved) const;
+  Value triplanar(const Prepared& texture, const TexturePoint& point, const V3f* moved) const;
+  TileSampler& sampler(const TexturePoint& point) const {
+    if (point.sampler_ == nullptr) point.sampler_ = &store_.sampler();
+    return *point.sampler_;
+  }
   static float channel_of(TextureChannel channel, const Value& value);
 
   const Scene& scene_;
   TextureStore store_;
-  std::vector<std::uint32_t> image_of_;  // per texture, of the store
+  std::vector<Prepared> prepared_;  // per texture
 };
 
 }  // namespace morsel::render

@@ -13,7 +13,6 @@
 #include <stdexcept>
 
 #include "renderer/texture/linear_image.h"
-#include "renderer/texture/tile_sampler.h"
 
 namespace morsel::render {
 namespace {
@@ -62,6 +61,11 @@ std::map<int, std::string> udim_tiles(const std::string& pattern) {
   return tiles;
 }
 
+TextureStore::Value value_of(const float texel[4], int channels) {
+  if (channels <= 2) return {V3f(texel[0]), channels == 2 ? texel[1] : 1.0f};
+  return {V3f(texel[0], texel[1], texel[2]), channels > 3 ? texel[3] : 1.0f};
+}
+
 }  // namespace
 
 struct TextureStore::Impl {
@@ -72,6 +76,7 @@ struct TextureStore::Impl {
   struct Image {
     OIIO::TextureOpt options;
     Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+    std::uint32_t shape = kNoShape;
     Opened whole;
     std::map<int, Opened> tiles;  // UDIM: by tile number; the image is not repeated
   };
@@ -87,6 +92,34 @@ struct TextureStore::Impl {
   ~Impl() {
     samplers.clear();
     OIIO::TextureSystem::destroy(system);
+  }
+
+  // OpenImageIO's t is down from the top.
+  static TexelPlace place(const Image& i, const CachedImage& cached, const V2f& uv,
+                          const V2f& across, const V2f& along, float random) {
+    return texel_place(cached, i.wrap_u, i.wrap_v, V2f(uv.x, 1.0f - uv.y), V2f(across.x, -across.y),
+                       V2f(along.x, -along.y), random);
+  }
+  Value texel(const CachedImage& cached, const TexelPlace& place, TileSampler& sampler) const {
+    float texel[4];
+    if (sampler.sample(cached, place, texel)) [[likely]]
+      return value_of(texel, cached.channels);
+    system->imagecache()->geterror();  // or it would be kept for ever
+    return {};
+  }
+
+  // That of an image before it with the same size and wrapping, or a new one.
+  std::uint32_t shape_of(const Image& image) const {
+    std::uint32_t shapes = 0;
+    for (const Image& other : images) {
+      if (other.shape == kNoShape) continue;
+      const CachedImage &a = image.whole.cached, &b = other.whole.cached;
+      if (a.width == b.width && a.height == b.height && image.wrap_u == other.wrap_u &&
+          image.wrap_v == other.wrap_v)
+        return other.shape;
+      shapes = std::max(shapes, other.shape + 1);
+    }
+    return shapes;
   }
 
   Opened open(const ImageTexture& image) {
@@ -142,6 +175,7 @@ std::uint32_t TextureStore::add(const ImageTexture& image) {
           fmt::format("{}: no tiles; <UDIM> stands for four digits, 1001 or more", image.file));
   } else {
     added.whole = impl_->open(image);
+    added.shape = impl_->shape_of(added);
   }
   added.options.swrap = wrap_of(added.wrap_u);
   added.options.twrap = wrap_of(added.wrap_v);
@@ -163,27 +197,34 @@ TextureStore::Value TextureStore::lookup(std::uint32_t image, const V2f& uv, con
     opened = &tile->second;
     at = V2f(uv.x - column, uv.y - row);
   }
+  if (random >= 0.0f)
+    return impl_->texel(opened->cached, Impl::place(i, opened->cached, at, across, along, random),
+                        sampler());
   const int channels = opened->cached.channels;
   float texel[4] = {0.0f, 0.0f, 0.0f, 1.0f};
-  // OpenImageIO's t is down from the top.
-  if (random >= 0.0f) {
-    if (!impl_->samplers.local().sample(opened->cached, i.wrap_u, i.wrap_v, V2f(at.x, 1.0f - at.y),
-                                        V2f(across.x, -across.y), V2f(along.x, -along.y), random,
-                                        texel)) {
-      impl_->system->imagecache()->geterror();  // or it would be kept for ever
-      return {};
-    }
-  } else {
-    OIIO::TextureOpt options = i.options;
-    if (!impl_->system->texture(opened->handle, impl_->system->get_perthread_info(), options, at.x,
-                                1.0f - at.y, across.x, -across.y, along.x, -along.y,
-                                std::min(channels, 4), texel)) {
-      impl_->system->geterror();
-      return {};
-    }
+  OIIO::TextureOpt options = i.options;
+  if (!impl_->system->texture(opened->handle, impl_->system->get_perthread_info(), options, at.x,
+                              1.0f - at.y, across.x, -across.y, along.x, -along.y,
+                              std::min(channels, 4), texel)) {
+    impl_->system->geterror();  // or it would be kept for ever
+    return {};
   }
-  if (channels <= 2) return {V3f(texel[0]), channels == 2 ? texel[1] : 1.0f};
-  return {V3f(texel[0], texel[1], texel[2]), channels > 3 ? texel[3] : 1.0f};
+  return value_of(texel, channels);
+}
+
+std::uint32_t TextureStore::shape(std::uint32_t image) const { return impl_->images[image].shape; }
+
+TexelPlace TextureStore::place(std::uint32_t image, const V2f& uv, const V2f& across,
+                               const V2f& along, float random) const {
+  const Impl::Image& i = impl_->images[image];
+  return Impl::place(i, i.whole.cached, uv, across, along, random);
+}
+
+TileSampler& TextureStore::sampler() const { return impl_->samplers.local(); }
+
+TextureStore::Value TextureStore::texel(std::uint32_t image, const TexelPlace& place,
+                                        TileSampler& sampler) const {
+  return impl_->texel(impl_->images[image].whole.cached, place, sampler);
 }
 
 std::string TextureStore::statistics() const { return impl_->system->getstats(1, true); }

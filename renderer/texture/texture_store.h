@@ -9,6 +9,7 @@
 
 #include "renderer/math/vector.h"
 #include "renderer/scene/texture.h"
+#include "renderer/texture/tile_sampler.h"
 
 namespace morsel::render {
 
@@ -35,6 +36,16 @@ class TextureStore {
   // expected value is that average: a fraction of the work, for where many samples are averaged.
   Value lookup(std::uint32_t image, const V2f& uv, const V2f& across, const V2f& along,
                float random = -1.0f) const;
+
+  // A single point in three steps, of which the second serves all images of one shape (size and
+  // wrapping), so that what is taken from several at one place is looked for once. An image without
+  // a shape has no such place: UDIM.
+  static constexpr std::uint32_t kNoShape = 0xffffffffu;
+  std::uint32_t shape(std::uint32_t image) const;
+  TexelPlace place(std::uint32_t image, const V2f& uv, const V2f& across, const V2f& along,
+                   float random) const;
+  TileSampler& sampler() const;  // of the calling thread
+  Value texel(std::uint32_t image, const TexelPlace& place, TileSampler& sampler) const;
 
   std::size_t size() const;
   // Bytes read from files and memory in use, for people.

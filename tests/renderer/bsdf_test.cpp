@@ -38,8 +38,8 @@ Dielectric glass(float alpha, float ior, bool outside, bool compensated = true) 
 }
 
 Plastic plastic(const V3f& color, float roughness, float diffuse_roughness = 0.0f) {
-  return Plastic(Diffuse(color, diffuse_roughness),
-                 SpecularLayer(1.0f, V3f(1.0f), square(roughness), interface_albedo(1.5f)));
+  return Plastic(Diffuse(color, diffuse_roughness), 1.0f, V3f(1.0f), square(roughness),
+                 interface_albedo(1.5f));
 }
 
 SurfaceParameters principled(const V3f& color, float roughness) {
@@ -231,7 +231,7 @@ TEST(Albedos, TablesAgreeWithSampling) {
   for (const float r : {0.1f, 0.4f, 0.8f})
     for (const V3f& wo : kDirections) {
       const SpecularLayer gloss(0.8f, V3f(0.5f), r * r, interface_albedo(1.5f));
-      EXPECT_NEAR(gloss.directional_albedo(wo.z).x, white_furnace(gloss, wo), 0.004) << r << wo;
+      EXPECT_NEAR(gloss.directional_albedo(wo.z), white_furnace(gloss, wo), 0.004) << r << wo;
       const Sheen sheen(V3f(1.0f), r * r);
       EXPECT_NEAR(sheen_albedo()(wo.z, r * r), white_furnace(sheen, wo), 0.01) << r << wo;
     }

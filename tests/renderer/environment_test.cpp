@@ -171,13 +171,16 @@ TEST(EnvironmentTexels, KeepTheImage) {
         const V3f a = corners.texel(0), b = corners.texel(1), c = corners.texel(2),
                   d = corners.texel(3);
         const V3f weight(0.3f, 0.5f, 0.25f);
-        float weighed[EnvironmentTexels::kTexels];
-        texels.weigh(row, column / 4, weight, weighed);
+        const float less = 0.5f * dot(a, weight);
+        const auto weighed = texels.weigh(row, column / 4, weight, less);
         const int k = column % 4;
-        EXPECT_EQ(dot(a, weight), weighed[k]);
-        EXPECT_EQ(dot(b, weight), weighed[k + 1]);
-        EXPECT_EQ(dot(c, weight), weighed[5 + k]);
-        EXPECT_EQ(dot(d, weight), weighed[6 + k]);
+        const auto expected_of = [&](const V3f& texel) {
+          return std::max(0.0f, dot(texel, weight) - less);
+        };
+        EXPECT_EQ(expected_of(a), weighed.upper_left[k]);
+        EXPECT_EQ(expected_of(b), weighed.upper_right[k]);
+        EXPECT_EQ(expected_of(c), weighed.lower_left[k]);
+        EXPECT_EQ(expected_of(d), weighed.lower_right[k]);
         const V3f found[] = {a, b, c, d};
         const V3f expected[] = {at(column, row - 1), at(column + 1, row - 1), at(column, row),
                                 at(column + 1, row)};

@@ -134,7 +134,7 @@ TEST(LightSet, SumsAllLights) {
                                              p, s.wi, s.distance);
     EXPECT_NEAR(pdf / s.pdf, 1.0f, 1e-3f);
     if (which == 0) {
-      const auto both = lights.infinite_arriving(LightGroup::kAll, 0, p, s.wi);
+      const auto both = lights.infinite_arriving(LightGroup::kAll, 0, p, lights.towards(s.wi));
       EXPECT_EQ(both.pdf, pdf);
       EXPECT_EQ(both.radiance, lights.infinite_radiance(0, s.wi));
     }
