@@ -127,8 +127,7 @@ void ShadedMesh::interact(const InstanceTransform& transform, std::uint32_t tria
   const double slimness = std::min(100.0 * area, std::max(area, product));
   const double magnitude =
       std::max(std::max(max_abs(v0.position), max_abs(v1.position)), max_abs(v2.position));
-  const double off =
-      from_transform + 0x1p-24 * (8.0 * longest * slimness + 2.0 * magnitude * area);
+  const double off = from_transform + 0x1p-24 * (8.0 * longest * slimness + 2.0 * magnitude * area);
   set_spawn_points(world, world_normal, off * per_length, s);
 
   s.shading_normal = s.geometric_normal;

@@ -226,6 +226,8 @@ bool SceneAccel::occluded(const Ray& ray) const {
 
 bool SceneAccel::has_cutouts() const { return impl_->cutouts; }
 
+bool SceneAccel::has_hypertextures() const { return impl_->statistics.hypertexture_bricks > 0; }
+
 SceneAccel::Statistics SceneAccel::statistics() const {
   Statistics s = impl_->statistics;
   s.bytes = impl_->device.bytes();

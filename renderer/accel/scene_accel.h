@@ -27,6 +27,8 @@ class SceneAccel {
   bool occluded(const Ray& ray) const;
   // Whether anything is there that shadow rays may pass in part: ask intersect() with kCutout.
   bool has_cutouts() const;
+  // Whether rays can cost anything in hypertextures: see hypertexture_cost().
+  bool has_hypertextures() const;
 
   struct Statistics {
     std::uint64_t triangles = 0;  // of meshes, instances not counted

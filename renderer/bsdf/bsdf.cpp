@@ -65,6 +65,7 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const V3f& geometric_normal,
                                                                                 : -shading_normal,
                                  geometric_normal_, wo)
                  : geometric_normal_),
+      per_agreement_(smooth_ ? 1.0f / dot(frame_.z, geometric_normal_) : 1.0f),
       wo_(frame_.to_local(wo)),
       lobe_(make_lobe(parameters, dot(wo, geometric_normal) >= 0.0f)) {
   wo_.z = std::max(wo_.z, 1e-6f);  // wo may lie in the surface to within rounding
@@ -73,8 +74,9 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const V3f& geometric_normal,
 float Bsdf::terminator(const V3f& wi) const {
   const float shading = dot(wi, frame_.z);
   if (!smooth_ || shading <= 0.0f) return 1.0f;
-  const float g = dot(wi, geometric_normal_) / (shading * dot(frame_.z, geometric_normal_));
-  if (g >= 1.0f) return 1.0f;
+  const float above = dot(wi, geometric_normal_) * per_agreement_;
+  if (above >= shading) return 1.0f;
+  const float g = above / shading;
   return g <= 0.0f ? 0.0f : g * (1.0f + g * (1.0f - g));
 }
 

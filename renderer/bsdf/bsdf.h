@@ -57,7 +57,8 @@ class Bsdf {
   V3f geometric_normal_;  // on the viewer's side
   bool smooth_;           // shading and geometric normals differ
   Frame frame_;
-  V3f wo_;  // local
+  float per_agreement_;  // over the cosine between them
+  V3f wo_;               // local
   Lobe lobe_;
 };
 

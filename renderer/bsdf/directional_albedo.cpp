@@ -85,8 +85,8 @@ const InterfaceTables& interface_albedo(float ior) {
   const std::lock_guard lock(mutex);
   auto& tables = known[ior];
   if (!tables)
-    tables = std::make_unique<InterfaceTables>(
-        InterfaceTables{ior, square((ior - 1.0f) / (ior + 1.0f)), tables_of(ior), tables_of(1.0f / ior)});
+    tables = std::make_unique<InterfaceTables>(InterfaceTables{
+        ior, square((ior - 1.0f) / (ior + 1.0f)), tables_of(ior), tables_of(1.0f / ior)});
   return *tables;
 }
 

@@ -17,9 +17,8 @@ LobeValue Plastic::evaluate(const V3f& wo, const V3f& wi) const {
 LobeValue Plastic::evaluate(const V3f& wo, const V3f& wi, float reflected_o) const {
   const LobeValue body = body_.evaluate(wo, wi), gloss = gloss_.evaluate(wo, wi);
   const float p = gloss_probability(reflected_o);
-  return {
-      body.value * (coupling_ * (1.0f - reflected_o) * (1.0f - reflected(wi.z))) + gloss.value,
-      (1.0f - p) * body.pdf + p * gloss.pdf};
+  return {body.value * (coupling_ * (1.0f - reflected_o) * (1.0f - reflected(wi.z))) + gloss.value,
+          (1.0f - p) * body.pdf + p * gloss.pdf};
 }
 
 std::optional<LobeSample> Plastic::sample(const V3f& wo, float choice, const V2f& u) const {

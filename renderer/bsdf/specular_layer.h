@@ -18,9 +18,7 @@ class SpecularLayer {
 
   LobeValue evaluate(const V3f& wo, const V3f& wi) const;
   // What sample() draws, before it is evaluated; it may point below the surface.
-  V3f direction(const V3f& wo, const V2f& u) const {
-    return Ggx(alpha_).sample_reflection(wo, u);
-  }
+  V3f direction(const V3f& wo, const V2f& u) const { return Ggx(alpha_).sample_reflection(wo, u); }
   std::optional<LobeSample> sample(const V3f& wo, float choice, const V2f& u) const;
   bool delta() const { return false; }
   float spread() const { return alpha_; }
@@ -49,7 +47,7 @@ class SpecularLayer {
   V3f normal_;      // the same, tinted
   const InterfaceAlbedo* tables_;
   const AlbedoTable* mirror_;  // of F = 1
-  AlbedoTable::Place place_;  // of alpha in them
+  AlbedoTable::Place place_;   // of alpha in them
 };
 
 }  // namespace morsel::render

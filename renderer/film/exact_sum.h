@@ -21,7 +21,7 @@ __extension__ typedef __int128 Int128;
 inline Int128 in_steps(double x) {
   const auto bits = std::bit_cast<std::uint64_t>(x);
   const std::uint64_t digits = (bits & 0xfffffffffffffu) | 0x10000000000000u;  // 53
-  const int exponent = static_cast<int>(bits >> 52 & 0x7ffu) - (1023 + 52);  // of the last digit
+  const int exponent = static_cast<int>(bits >> 52 & 0x7ffu) - (1023 + 52);    // of the last digit
   const int shift = exponent + 64;
   if (shift <= -53) return 0;
   const Int128 steps = shift >= 0 ? Int128{digits} << shift : Int128{digits >> -shift};

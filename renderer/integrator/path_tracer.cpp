@@ -36,14 +36,19 @@ std::uint32_t cutout_dimension(int vertex, int passed) {
   return 0x40000000u + static_cast<std::uint32_t>(vertex * kMostCutouts + passed);
 }
 
-// Counts a ray, and what the calling thread's queries in its scope cost.
+// Counts a ray, and what the calling thread's queries in its scope cost if they can.
 class CountedRay {
  public:
-  CountedRay(RayCounts& rays, RayUse use)
-      : cost_(rays.costs[static_cast<std::size_t>(use)]), before_(hypertexture_cost()) {
+  CountedRay(RayCounts& rays, RayUse use, bool can_cost)
+      : cost_(rays.costs[static_cast<std::size_t>(use)]), can_cost_(can_cost) {
+    if (can_cost_) before_ = hypertexture_cost();
     ++(use == RayUse::kCamera ? rays.camera : use == RayUse::kBounce ? rays.bounce : rays.shadow);
   }
   ~CountedRay() {
+    if (!can_cost_) {
+      cost_.add_ray(0, 0);
+      return;
+    }
     const HypertextureCost now = hypertexture_cost();
     cost_.add_ray(now.evaluations - before_.evaluations, now.filtered - before_.filtered);
   }
@@ -52,6 +57,7 @@ class CountedRay {
 
  private:
   RayCost& cost_;
+  bool can_cost_;
   HypertextureCost before_;
 };
 
@@ -125,9 +131,10 @@ void PathTracer::add_escaped(State& state, PathSample& sample) const {
   if (state.vertex == 0) lights_.find(state.ray.direction, state.towards);
   for (std::size_t i = 0; i < lights_.infinite_count(); ++i) {
     if (state.vertex == 0 && !lights_.infinite_visible_to_camera(i)) continue;
-    const auto [radiance, pdf] = state.previous_delta
-                                     ? Environment::Arriving{lights_.infinite_radiance(i, state.towards), 0.0f}
-                                     : lights_.infinite_arriving(group, i, state.previous_p, state.towards);
+    const auto [radiance, pdf] =
+        state.previous_delta
+            ? Environment::Arriving{lights_.infinite_radiance(i, state.towards), 0.0f}
+            : lights_.infinite_arriving(group, i, state.previous_p, state.towards);
     if (state.vertex == 0 && i == 0 && lights_.has_environment()) sample.alpha = 1.0f;
     if (is_black(radiance)) continue;
     const float weight = state.previous_delta ? 1.0f : mis_weight(state.previous_pdf, pdf, false);
@@ -176,7 +183,7 @@ void PathTracer::pass(const SurfaceInteraction& hit, const V3f& direction, float
 V3f PathTracer::visibility(Ray shadow, RayCounts& rays) const {
   constexpr float kBlocked = 0.0f;
   {
-    const CountedRay counted(rays, RayUse::kShadow);
+    const CountedRay counted(rays, RayUse::kShadow, hypertextures_);
     if (accel_.occluded(shadow)) return V3f(kBlocked);
   }
   V3f passed(1.0f);
@@ -184,7 +191,7 @@ V3f PathTracer::visibility(Ray shadow, RayCounts& rays) const {
   float inside = 0.0f;
   for (int i = 0; i < kMostCutouts; ++i) {
     SurfaceInteraction hit;
-    const CountedRay counted(rays, RayUse::kShadow);
+    const CountedRay counted(rays, RayUse::kShadow, hypertextures_);
     if (!accel_.intersect(shadow, RayKind::kCutout, hit)) return passed;
     passed *= 1.0f - materials_.opacity(hit, -normalize(shadow.direction));
     pass(hit, shadow.direction, hit.t * shadow.direction.length(), inside, passed);
@@ -265,7 +272,7 @@ PathTracer::Next PathTracer::next_hit(State& state, const PixelSampler& sampler,
   const bool first = state.vertex == 0;
   state.travelled = state.inside = 0.0f;
   for (int passed = 0; passed < kMostCutouts; ++passed) {
-    const CountedRay counted(rays, first ? RayUse::kCamera : RayUse::kBounce);
+    const CountedRay counted(rays, first ? RayUse::kCamera : RayUse::kBounce, hypertextures_);
     if (!accel_.intersect(state.ray, first ? RayKind::kCamera : RayKind::kBounce, hit))
       return Next::kEscaped;
     if (hit.light != kNoIndex || materials_.opaque(hit.material)) return Next::kHit;
@@ -301,8 +308,8 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
     const bool first = state.vertex == 0;
     const std::uint64_t evaluations =
         rays.costs[static_cast<std::size_t>(RayUse::kCamera)].evaluations;
-    // The light sample that every vertex gets; what it needs of memory comes while the ray is traced,
-    // and then while the surface is looked up.
+    // The light sample that every vertex gets; what it needs of memory comes while the ray is
+    // traced, and then while the surface is looked up.
     const LightGroup from = first ? LightGroup::kInfinite : LightGroup::kAll;
     const bool last = state.ends || state.vertex > scene_.settings.max_depth;
     const bool lit = !last && direct_lighting_ != DirectLighting::kBsdfOnly && lights_.any(from);
@@ -364,7 +371,8 @@ PathSample PathTracer::trace(const Ray& camera_ray, const PixelSampler& sampler,
       add_direct(state, LightGroup::kLocal, light_point, hit, bsdf, sampler, result, rays);
     }
 
-    const auto scattered = bsdf.sample(choices.x, sampler.get_2d(dimension(state.vertex, kDirection)));
+    const auto scattered =
+        bsdf.sample(choices.x, sampler.get_2d(dimension(state.vertex, kDirection)));
     if (!scattered) break;
     // The light samples count on this ray for their part of the light it finds, as at max_depth.
     state.ends = !within_limits(state, *scattered);

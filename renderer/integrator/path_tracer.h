@@ -28,6 +28,7 @@ class PathTracer {
         materials_(materials),
         lights_(lights),
         camera_(camera),
+        hypertextures_(accel.has_hypertextures()),
         direct_lighting_(direct_lighting) {}
 
   // One path that begins with `camera_ray`, whose direction is a unit vector. Its radiance may be
@@ -65,6 +66,7 @@ class PathTracer {
   const MaterialSet& materials_;
   const LightSet& lights_;
   const Camera& camera_;
+  bool hypertextures_;  // whether there are any
   DirectLighting direct_lighting_;
 };
 

@@ -162,8 +162,7 @@ void Environment::sample(const Place& place, LightSample& sample) const {
   // Among the block's patches by what the four texels of each have in sum.
   constexpr int kPatches = EnvironmentTexels::kPatches;
   const int index = static_cast<int>(block.index), first = index * kPatches;
-  const auto block_texels =
-      texels_.weigh(p.row, index, luminance_of_texel_, not_sampled_);
+  const auto block_texels = texels_.weigh(p.row, index, luminance_of_texel_, not_sampled_);
   const Floats sums = (block_texels.upper_left + block_texels.upper_right) +
                       (block_texels.lower_left + block_texels.lower_right);
   const int patches = std::min(kPatches, width - first);
@@ -175,9 +174,7 @@ void Environment::sample(const Place& place, LightSample& sample) const {
   // Where rounding left something over, and where there is nothing.
   while (in_block > 0 && !(sums[in_block] > 0.0f && in_block < patches)) --in_block;
   const float offset =
-      total > 0.0f
-          ? std::min((wanted - up_to[in_block]) / sums[in_block], kOneMinusEpsilon)
-          : 0.5f;
+      total > 0.0f ? std::min((wanted - up_to[in_block]) / sums[in_block], kOneMinusEpsilon) : 0.5f;
   p.column = first + in_block;
   const EnvironmentTexels::Corners around = texels_.corners(p.row, index, in_block);
   const float a = block_texels.upper_left[in_block], b = block_texels.upper_right[in_block],

@@ -59,9 +59,9 @@ class Environment {
   };
   Arriving arriving(const V3f& wi) const { return arriving(patch(wi)); }
   // The same in two steps, between which what the second needs of memory is fetched.
-  struct Patch {     // that a direction falls into, and where in it
-    int column = 0;  // of the texels to the left
-    int row = 0;     // see EnvironmentTexels
+  struct Patch {         // that a direction falls into, and where in it
+    int column = 0;      // of the texels to the left
+    int row = 0;         // see EnvironmentTexels
     V2f position{0.0f};  // between the texels, [0, 1]^2
     float sine = 0.0f;   // of the angle to the +y axis
   };

@@ -47,8 +47,8 @@ class EnvironmentTexels {
       return {sum(channel[0] * share), sum(channel[1] * share), sum(channel[2] * share)};
     }
   };
-  // A number of each of a block's texels: of the upper left, upper right, lower left and lower right
-  // ones of its four patches.
+  // A number of each of a block's texels: of the upper left, upper right, lower left and lower
+  // right ones of its four patches.
   struct Weighed {
     Floats upper_left, upper_right, lower_left, lower_right;
   };

@@ -57,6 +57,9 @@ LightSet::LightSet(const Scene& scene, bool complete) {
   add(scene.points, [](const PointLight& l) { return Point(l); });
   add_emissive_meshes(scene);
 
+  only_environment_ =
+      local_.empty() && sampled_infinite_ == 1 && environment_ && infinite_[0].importance > 0.0f;
+
   std::vector<LightBounds> bounds;
   for (const LocalLight& light : local_)
     bounds.push_back(std::visit([](const auto& l) { return l.bounds(); }, light));
@@ -118,8 +121,13 @@ void LightSet::sample_infinite(std::size_t i, const LightPoint& point, LightSamp
 
 LightSet::Sample LightSet::sample(LightGroup group, const V3f& p, float choice,
                                   const LightPoint& point) const {
-  const float local = local_share(group, p);
   Sample s;
+  if (only_environment_ && group != LightGroup::kLocal) {
+    environment_->sample(point.in_environment, s);
+    s.light_group = infinite_[0].light_group;
+    return s;
+  }
+  const float local = local_share(group, p);
   if (choice < local) {
     const auto chosen = tree_->sample(p, std::min(choice / local, kOneMinusEpsilon),
                                       [&](std::uint32_t i) { return leaf_importance(i, p); });
@@ -159,6 +167,7 @@ float LightSet::infinite_pdf(LightGroup group, std::size_t i, const V3f& p, cons
 }
 
 float LightSet::infinite_share(LightGroup group, std::size_t i, const V3f& p) const {
+  if (only_environment_) return group != LightGroup::kLocal && i == 0 ? 1.0f : 0.0f;
   return (1.0f - local_share(group, p)) * infinite_[i].importance / infinite_importance_;
 }
 

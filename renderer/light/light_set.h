@@ -65,8 +65,7 @@ class LightSet {
   };
   void point(LightGroup group, const V2f& u, LightPoint& point) const {
     point.u = u;
-    point.infinite =
-        environment_ && group != LightGroup::kLocal && infinite_[0].importance > 0.0f;
+    point.infinite = environment_ && group != LightGroup::kLocal && infinite_[0].importance > 0.0f;
     if (point.infinite) environment_->place(u, point.in_environment);
   }
   void fetch(LightPoint& point) const {
@@ -149,6 +148,7 @@ class LightSet {
   std::vector<Infinite> infinite_;
   float infinite_importance_ = 0.0f;
   std::size_t sampled_infinite_ = 0;  // those of some importance
+  bool only_environment_ = false;     // is sampled
   std::vector<LocalLight> local_;
   std::vector<std::uint32_t> local_group_;
   std::vector<std::uint32_t> first_triangle_;      // per instance

@@ -25,11 +25,10 @@ inline FourFloats fast_atan2(const FourFloats& y, const FourFloats& x) {
   const FourFloats t2 = t * t;
   // Pairs, pairs of pairs, ...: half as long a chain of operations as one after the other.
   const FourFloats t4 = t2 * t2;
-  FourFloats angle = ((-0.0040540580f * t2 + 0.0218612288f) * t4 +
-                      (-0.0559098861f * t2 + 0.0964200441f)) *
-                         (t4 * t4) +
-                     ((-0.1390853351f * t2 + 0.1994653599f) * t4 +
-                      (-0.3332985605f * t2 + 0.9999993329f));
+  FourFloats angle =
+      ((-0.0040540580f * t2 + 0.0218612288f) * t4 + (-0.0559098861f * t2 + 0.0964200441f)) *
+          (t4 * t4) +
+      ((-0.1390853351f * t2 + 0.1994653599f) * t4 + (-0.3332985605f * t2 + 0.9999993329f));
   angle *= t;
   constexpr float kTurn = 3.14159265358979323846f;
   angle = steep ? 0.5f * kTurn - angle : angle;

@@ -16,8 +16,8 @@ inline SineCosine sine_cosine_of_eighth(float x) {
   const float x2 = x * x, x4 = x2 * x2;
   const float sine = (x4 * (1.0f / 362880.0f) + (x2 * (-1.0f / 5040.0f) + 1.0f / 120.0f)) * x4 +
                      x2 * (-1.0f / 6.0f);
-  const float cosine = (x4 * (1.0f / 40320.0f) + (x2 * (-1.0f / 720.0f) + 1.0f / 24.0f)) * x4 +
-                       (x2 * -0.5f + 1.0f);
+  const float cosine =
+      (x4 * (1.0f / 40320.0f) + (x2 * (-1.0f / 720.0f) + 1.0f / 24.0f)) * x4 + (x2 * -0.5f + 1.0f);
   return {sine * x + x, cosine};
 }
 

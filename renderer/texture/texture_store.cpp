@@ -7,6 +7,7 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <filesystem>
 #include <map>
@@ -86,6 +87,11 @@ struct TextureStore::Impl {
   std::vector<ImageTexture> added;  // one of each kind, by number: see same_image
   std::vector<std::unique_ptr<ImageTexture>> sources;  // what the cache's configurations point to
 
+  // Of no other store in this process.
+  const std::uint64_t number = [] {
+    static std::atomic<std::uint64_t> stores{0};
+    return ++stores;
+  }();
   oneapi::tbb::enumerable_thread_specific<TileSampler> samplers{
       [this] { return TileSampler(*system->imagecache()); }};
 
@@ -220,7 +226,17 @@ TexelPlace TextureStore::place(std::uint32_t image, const V2f& uv, const V2f& ac
   return Impl::place(i, i.whole.cached, uv, across, along, random);
 }
 
-TileSampler& TextureStore::sampler() const { return impl_->samplers.local(); }
+TileSampler& TextureStore::sampler() const {
+  // TBB's own look-up is as much work as a texture's. By number: another store may come to lie
+  // where one was.
+  thread_local std::uint64_t known = 0;
+  thread_local TileSampler* mine = nullptr;
+  if (known != impl_->number) {
+    mine = &impl_->samplers.local();
+    known = impl_->number;
+  }
+  return *mine;
+}
 
 TextureStore::Value TextureStore::texel(std::uint32_t image, const TexelPlace& place,
                                         TileSampler& sampler) const {

@@ -111,8 +111,7 @@ TexelPlace texel_place(const CachedImage& image, Wrap wrap_u, Wrap wrap_v, V2f u
   }
   // A point of the long axis; what the level's texels cover themselves is not walked again.
   if (longest2 > width2 && longest2 < kFarTooLong)
-    uv += (b2 > a2 ? along : across) *
-          ((random - 0.5f) * (1.0f - std::sqrt(width2 / longest2)));
+    uv += (b2 > a2 ? along : across) * ((random - 0.5f) * (1.0f - std::sqrt(width2 / longest2)));
 
   const Pair x = pair_at(uv.x, std::max(1, image.width >> place.level), wrap_u);
   const Pair y = pair_at(uv.y, std::max(1, image.height >> place.level), wrap_v);

@@ -23,7 +23,7 @@ struct CachedImage {
 // same for all images of one size that go on beyond their edges in the same way.
 struct TexelPlace {
   int level = 0;
-  int x[2] = {0, 0}, y[2] = {0, 0};  // below 0: black
+  int x[2] = {0, 0}, y[2] = {0, 0};            // below 0: black
   float weight[4] = {1.0f, 0.0f, 0.0f, 0.0f};  // of (x0, y0), (x1, y0), (x0, y1), (x1, y1)
 };
 // Of one point, chosen by `random` in [0, 1), of the footprint that TextureStore::lookup describes,

@@ -6,6 +6,7 @@
 
 #include "renderer/accel/scene_accel.h"
 #include "renderer/accel/spawn.h"
+#include "renderer/material/surface_frame.h"
 #include "tests/renderer/statistics.h"
 #include "tests/renderer/test_scenes.h"
 
@@ -130,6 +131,14 @@ TEST(SceneAccel, FillsInTheInteraction) {
   EXPECT_EQ(s.geometric_normal, V3f(0, 1, 0));
   // Inverse transpose: stretching by 2 along x halves the normal's x before normalising.
   EXPECT_NEAR((s.shading_normal - normalize(V3f(0.15f, 1, 0))).length(), 0.0f, 1e-6f);
+
+  // What the hit brings along for texture coordinates is what the scene has.
+  const SurfaceFrame at_hand = surface_frame(scene, s);
+  s.transform = nullptr;
+  const SurfaceFrame looked_up = surface_frame(scene, s);
+  EXPECT_EQ(at_hand.u_tangent, V3f(4, 0, 0));
+  EXPECT_EQ(at_hand.u_tangent, looked_up.u_tangent);
+  EXPECT_EQ(at_hand.v_gradient, looked_up.v_gradient);
 
   ray.tfar = 1.9f;
   EXPECT_FALSE(accel.intersect(ray, RayKind::kCamera, s));

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "renderer/integrator/render.h"
+#include "renderer/texture/texture_set.h"
 #include "renderer/texture/texture_store.h"
 #include "tests/renderer/mean_of_film.h"
+#include "tests/renderer/statistics.h"
 #include "tests/renderer/test_scenes.h"
 #include "tests/temporary_folder.h"
 
@@ -327,6 +329,102 @@ TEST_F(TextureTest, TriplanarNeedsNoCoordinates) {
     }
   EXPECT_LT(least, 0.3);
   EXPECT_GT(most, 0.7);
+}
+
+// A plane with coordinates and a hit on it, to ask textures at.
+struct AskedPlane {
+  Scene scene;
+  SurfaceInteraction hit;
+
+  AskedPlane() {
+    add_material(scene, MaterialType::kDiffuse, V3f(0.5f));
+    TriangleMesh plane = plane_mesh(1.0f);
+    plane.uvs = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+    add_mesh(scene, plane, 0);
+    hit.instance = hit.geometry = hit.primitive = 0;
+    hit.geometric_normal = hit.shading_normal = hit.object_normal = V3f(0, 1, 0);
+  }
+};
+
+// What a point remembers of one image (the place, the value) is only given to what it is true of.
+TEST_F(TextureTest, ImagesAskedAtOnePointAreThoseOfEachAskedAlone) {
+  const auto noise = [&](const char* name, int width, int height, int seed) {
+    return image_of(write_image(folder_, name, width, height, [&](int x, int y) {
+      const int v = (x * 7919 + y * 104729 + seed * 1299709) % 65521;
+      return Imath::V3i(v % 256, v / 3 % 256, v / 7 % 256);
+    }));
+  };
+  const ImageTexture a = noise("a.png", 64, 64, 1), b = noise("b.png", 64, 64, 2),
+                     c = noise("c.png", 128, 32, 3);
+  ImageTexture scaled = a, turned = b, clamped = b, second = a, solid = b;
+  scaled.scale = V2f(3.0f, 2.0f);
+  turned.rotation = 30.0f;
+  clamped.wrap_u = Wrap::kClamp;
+  second.uv_set = 1;
+  solid.triplanar = true;
+  AskedPlane plane;
+  for (const ImageTexture& image : {a, b, c, scaled, turned, clamped, second, solid, a, scaled})
+    plane.scene.textures.push_back({"t", image, TextureChannel::kLuminance});
+  const TextureSet textures(plane.scene);
+  Random random(5);
+  const V3f wo = normalize(V3f(0.3f, 1.0f, 0.2f));
+  for (int i = 0; i < 300; ++i) {
+    SurfaceInteraction& hit = plane.hit;
+    hit.uv = random.pair() * 4.0f - V2f(2.0f);
+    hit.uv1 = random.pair() * 4.0f - V2f(2.0f);
+    hit.object_p = V3f(hit.uv.x, 0.0f, hit.uv.y);
+    hit.footprint = 0.2f * random();
+    hit.texture_random = i % 4 == 0 ? -1.0f : random();
+    const TexturePoint shared(plane.scene, hit, wo);
+    for (int k = 0; k < 20; ++k) {
+      const auto t =
+          static_cast<std::uint32_t>(random() * static_cast<float>(plane.scene.textures.size()));
+      const TexturePoint alone(plane.scene, hit, wo);
+      ASSERT_EQ(textures.color(t, shared), textures.color(t, alone)) << i << ", texture " << t;
+      if (k % 5 == 0) {
+        ASSERT_EQ(textures.slope(t, shared, V3f(1, 0, 0), V3f(0, 0, 1)),
+                  textures.slope(t, alone, V3f(1, 0, 0), V3f(0, 0, 1)));
+      }
+    }
+  }
+}
+
+// Scaled, then turned, then moved, with v counted from the bottom or the top: step by step here.
+TEST_F(TextureTest, CoordinatesAreMappedAsTheTextureSays) {
+  const ImageTexture plain =
+      image_of(write_image(folder_, "ramp.png", 64, 64,
+                           [](int x, int y) { return Imath::V3i(4 * x, 4 * (63 - y), 0); }),
+               ColorSpace::kLinear);
+  Random random(6);
+  for (int i = 0; i < 40; ++i) {
+    ImageTexture image = plain;
+    image.scale = random.pair() * 2.0f - V2f(1.0f);
+    image.offset = random.pair();
+    image.rotation = i % 3 == 0 ? 0.0f : 360.0f * random();
+    image.v_down = i % 2 == 1;
+    AskedPlane plane;
+    plane.scene.textures = {{"mapped", image, TextureChannel::kLuminance},
+                            {"plain", plain, TextureChannel::kLuminance}};
+    const TextureSet textures(plane.scene);
+    for (int k = 0; k < 20; ++k) {
+      const V2f uv = random.pair();
+      double x = uv.x, y = image.v_down ? 1.0 - uv.y : uv.y;
+      x *= image.scale.x;
+      y *= image.scale.y;
+      const double angle = image.rotation * 3.14159265358979 / 180.0 * (image.v_down ? -1.0 : 1.0);
+      const double u = std::cos(angle) * x - std::sin(angle) * y + image.offset.x;
+      double v = std::sin(angle) * x + std::cos(angle) * y + image.offset.y;
+      if (image.v_down) v = 1.0 - v;
+      const auto jumps = [](double c) { return std::abs(c - std::round(c)) < 0.02; };
+      if (jumps(u) || jumps(v)) continue;  // the ramp does, where the image is repeated
+      plane.hit.uv = uv;
+      plane.hit.texture_random = 0.5f;
+      const V3f mapped = textures.color(0, TexturePoint(plane.scene, plane.hit, V3f(0, 1, 0)));
+      plane.hit.uv = V2f(static_cast<float>(u), static_cast<float>(v));
+      const V3f expected = textures.color(1, TexturePoint(plane.scene, plane.hit, V3f(0, 1, 0)));
+      EXPECT_NEAR((mapped - expected).length(), 0.0f, 1e-4f) << i << ": " << u << ", " << v;
+    }
+  }
 }
 
 // What a texture makes a mesh emit reaches other surfaces the same by light samples and by chance.
