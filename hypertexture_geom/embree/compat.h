@@ -123,6 +123,37 @@ inline bool occluded1(RTCScene scene, RTCRay& ray, Coherence coherence = Coheren
   return ray.tfar < 0.0f;
 }
 
+// While it lives, inactive lanes of a packet have an interval without a number in it. A processor
+// without registers as wide as the packet has Embree take the lanes one by one, and it then looks
+// at the interval alone and not at `valid`.
+template <class RayN, int N>
+class EmptyInactiveLanes {
+ public:
+  EmptyInactiveLanes(const int* valid, RayN& ray) : valid_(valid), ray_(ray) {
+    for (int i = 0; i < N; ++i) {
+      if (valid_[i] != 0) continue;
+      tnear_[i] = ray_.tnear[i];
+      tfar_[i] = ray_.tfar[i];
+      ray_.tnear[i] = 1.0f;
+      ray_.tfar[i] = 0.0f;
+    }
+  }
+  ~EmptyInactiveLanes() {
+    for (int i = 0; i < N; ++i) {
+      if (valid_[i] != 0) continue;
+      ray_.tnear[i] = tnear_[i];
+      ray_.tfar[i] = tfar_[i];
+    }
+  }
+  EmptyInactiveLanes(const EmptyInactiveLanes&) = delete;
+  EmptyInactiveLanes& operator=(const EmptyInactiveLanes&) = delete;
+
+ private:
+  const int* valid_;
+  RayN& ray_;
+  float tnear_[N], tfar_[N];
+};
+
 // Packets of 4, 8 and 16; valid[i] is -1 for an active lane and 0 for one to leave alone. Active
 // rays must be traceable.
 inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit4& rayhit) {
@@ -144,6 +175,7 @@ inline void occluded_packet(const int* valid, RTCScene scene, RTCRay4& ray) {
 #endif
 }
 inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit16& rayhit) {
+  const EmptyInactiveLanes<RTCRay16, 16> lanes(valid, rayhit.ray);
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect16(valid, scene, &rayhit, nullptr);
 #else
@@ -153,6 +185,7 @@ inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit16& rayh
 #endif
 }
 inline void occluded_packet(const int* valid, RTCScene scene, RTCRay16& ray) {
+  const EmptyInactiveLanes<RTCRay16, 16> lanes(valid, ray);
 #if RTC_VERSION_MAJOR >= 4
   rtcOccluded16(valid, scene, &ray, nullptr);
 #else
@@ -162,6 +195,7 @@ inline void occluded_packet(const int* valid, RTCScene scene, RTCRay16& ray) {
 #endif
 }
 inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit8& rayhit) {
+  const EmptyInactiveLanes<RTCRay8, 8> lanes(valid, rayhit.ray);
 #if RTC_VERSION_MAJOR >= 4
   rtcIntersect8(valid, scene, &rayhit, nullptr);
 #else
@@ -171,6 +205,7 @@ inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit8& rayhi
 #endif
 }
 inline void occluded_packet(const int* valid, RTCScene scene, RTCRay8& ray) {
+  const EmptyInactiveLanes<RTCRay8, 8> lanes(valid, ray);
 #if RTC_VERSION_MAJOR >= 4
   rtcOccluded8(valid, scene, &ray, nullptr);
 #else
